@@ -22,7 +22,7 @@ namespace {
 // pixel and as one and a half.
 constexpr double kP99_mm = 0.1, kMax_mm = 0.3, kCost = 2, kSearch_ms = 1.5;
 
-struct Patient {
+struct ContactPatient {
   std::string name;
   WorldSpec spec;
   Script script;
@@ -36,7 +36,7 @@ struct Closed {
   ContactCounts counts;
 };
 
-Closed close(const Patient& p, ContactChoice contact) {
+Closed close(const ContactPatient& p, ContactChoice contact) {
   InlineWorkers workers;
   WorldSpec spec = p.spec;
   spec.contact = contact;
@@ -55,14 +55,14 @@ Closed close(const Patient& p, ContactChoice contact) {
   return c;
 }
 
-Patient shipped(const std::string& name) {
+ContactPatient shipped(const std::string& name) {
   const Scene scene = load_scene(shipped_file("app/scenes/" + name + ".toml"));
-  Patient p{name, world_spec(scene, build_body(scene)), load_script(shipped_file("recordings/" + name + ".jsonl")),
-            scene.tools.max_depth_mm};
+  ContactPatient p{name, world_spec(scene, build_body(scene)),
+                   load_script(shipped_file("recordings/" + name + ".jsonl")), scene.tools.max_depth_mm};
   return p;
 }
 
-std::vector<Patient> procedures_on_a_patch() {
+std::vector<ContactPatient> procedures_on_a_patch() {
   BlockSpec b;
   b.size_mm = {130, 130, 10};
   b.skin_cell_mm = 1.6;
@@ -74,9 +74,9 @@ std::vector<Patient> procedures_on_a_patch() {
   spec.body = std::make_shared<Body>(make_block(b));
   spec.cell_mm = 3.5;
   spec.refine_fronts = true, spec.refine_pockets = false;  // as the shipped scenes of flaps
-  std::vector<Patient> out;
+  std::vector<ContactPatient> out;
   for (const Procedure& p : procedures()) {
-    Patient one{p.name, spec, {}, 10};
+    ContactPatient one{p.name, spec, {}, 10};
     for (const Command& c : carry_out(p.figure(p.defaults()), OnSkin(Skin(spec.body), {})))
       one.script.lines.push_back({int(one.script.lines.size()) + 1, c});
     out.push_back(std::move(one));
@@ -84,7 +84,7 @@ std::vector<Patient> procedures_on_a_patch() {
   return out;
 }
 
-void add(Result& out, const Patient& p) {
+void add(Result& out, const ContactPatient& p) {
   const Closed off = close(p, ContactChoice::off), on = close(p, ContactChoice::automatic);
   std::string text = fmt::format(
       "p99 {:.3f} at ({:.1f}, {:.1f}, {:.1f}), {:.0f} mm2; residual {:.1e}, {} iterations, closure {:.2f} N, gap "
@@ -114,7 +114,7 @@ void add(Result& out, const Patient& p) {
 /// The hooks' way in frames: 10 iterations each, contacts found
 /// a second time beside, which gives the same and is timed.
 void add_live(Result& out) {
-  const Patient p = shipped("rhomboid");
+  const ContactPatient p = shipped("rhomboid");
   double step_ms[2];
   Times search;
   for (const bool with : {false, true}) {
@@ -192,7 +192,7 @@ Result contact(const ContactBench& set) {
   for (const char* name : {"rhomboid", "zplasty"})
     if (wanted(name)) say(name), add(out, shipped(name));
   if (!set.quick || !set.only.empty())
-    for (const Patient& p : procedures_on_a_patch())
+    for (const ContactPatient& p : procedures_on_a_patch())
       if (wanted(p.name)) say(p.name), add(out, p);
   if (wanted("live")) say("live"), add_live(out);
   out.notes.push_back("operations: CPU time of the whole operation on one thread, cuts included; 3.5 mm cells");

@@ -139,7 +139,7 @@ void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, dou
   const std::string label = fmt::format("whole cut, cells of {:g} mm", cell_mm);
   const std::string size =
       fmt::format("{} triangles, {} cell copies, {} nodes, {} cells touched", triangles, cells, nodes, touched);
-  const auto add = [&](const char* method, const Times& t) {
+  const auto add = [&](const std::string& method, const Times& t) {
     std::string how = fmt::format("{}; median of {}, best {:.3f} ms", size, t.ms.size(), t.best());
     Row r;
     r.name = label, r.method = method, r.settings = how, r.time_ms = t.median();

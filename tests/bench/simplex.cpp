@@ -54,7 +54,7 @@ double ns_per_vertex(Step&& step, double vertices, bool quick) {
   return best;
 }
 
-Law law_of(Constraint c, int rigidity) {
+Law law_of(simplex::Constraint c, int rigidity) {
   Law l;
   l.zone[0].constraint = c, l.zone[0].rigidity = rigidity;
   return l;
@@ -78,7 +78,7 @@ void cost(Result& out, const SimplexSettings& settings) {
     const double vertices = m.vertices();
     if (settings.progress) settings.progress(text("%.0f vertices", vertices));
     Motion motion(workers);
-    motion.set_law(law_of(Constraint::angle, 1));
+    motion.set_law(law_of(simplex::Constraint::angle, 1));
     const double ns = ns_per_vertex([&] { motion.step(m); }, vertices, settings.quick);
     out.rows.push_back(cost_row("iteration, angle", "limberg", vertices, ns));
     n.push_back(std::log(vertices)), t.push_back(std::log(ns * vertices));
@@ -90,13 +90,13 @@ void cost(Result& out, const SimplexSettings& settings) {
     at_20k = ns, plain_20k = scalar;
     struct Kind {
       const char* name;
-      Constraint c;
+      simplex::Constraint c;
       int rigidity;
     };
-    for (const Kind& k : {Kind{"tangent", Constraint::tangent, 1},
-                          {"curvature", Constraint::curvature, 1},
-                          {"shape", Constraint::shape, 1},
-                          {"angle, rigidity 4", Constraint::angle, 4}}) {
+    for (const Kind& k : {Kind{"tangent", simplex::Constraint::tangent, 1},
+                          {"curvature", simplex::Constraint::curvature, 1},
+                          {"shape", simplex::Constraint::shape, 1},
+                          {"angle, rigidity 4", simplex::Constraint::angle, 4}}) {
       Mesh q = make_sphere({0, 0, 0}, 100, level);
       motion.set_law(law_of(k.c, k.rigidity));
       out.rows.push_back(cost_row(std::string("iteration, ") + k.name, "limberg", vertices,
@@ -119,7 +119,7 @@ void session(Result& out, const SimplexSettings& settings) {
   InlineWorkers workers;
   Mesh face = make_sphere({0, 0, 0}, 100, 4), skull = make_sphere_of_faces({0, 0, 0}, 90, settings.quick ? 1002 : 5002);
   Motion f(workers), s(workers);
-  f.set_law(law_of(Constraint::shape, 1)), s.set_law(law_of(Constraint::angle, 2));
+  f.set_law(law_of(simplex::Constraint::shape, 1)), s.set_law(law_of(simplex::Constraint::angle, 2));
   const double v = face.vertices() + skull.vertices();
   const double ns = ns_per_vertex([&] { f.step(face), s.step(skull); }, v, settings.quick);
   out.rows.push_back(cost_row("face (shape) and skull (angle, rigidity 2)", "limberg", v, ns));

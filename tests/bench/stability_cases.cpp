@@ -110,7 +110,7 @@ void bad_starts(List& l) {
     }
 }
 
-void laws(List& l) {
+void law_cases(List& l) {
   const double mu = 60 / 2.9, lambda = 10 * mu;
   const std::vector<std::pair<const char*, LawPtr>> list = {
       {"Ogden alpha 9", ogden({{2 * mu / 9, 9}})},
@@ -292,7 +292,7 @@ FemModel shared_cell_block(double contrast) {
 
 std::vector<StabilityCase> stability_cases(bool one_per_family) {
   List l;
-  bad_starts(l), laws(l), contrast(l), shared_cells(l), slivers(l), steps(l), pulls(l), stitches(l), floating(l),
+  bad_starts(l), law_cases(l), contrast(l), shared_cells(l), slivers(l), steps(l), pulls(l), stitches(l), floating(l),
       everything(l), slab(l);
   if (!one_per_family) return std::move(l.all);
   std::vector<StabilityCase> few;

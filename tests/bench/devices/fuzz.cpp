@@ -159,7 +159,7 @@ void noise_case(Fuzzer& f, Family& family, Parser& parser, const Layout& layout)
   for (const Record& r : take.got) check(f, family, r, layout), ++family.wrong, ++family.far;
 }
 
-struct Readings final : Link::Receiver {
+struct Readings final : fastrak::Link::Receiver {
   void on_reading(const TrackerSample& s) override {
     ++n;
     bad |= s.seq < 0 || s.station < 1 || s.station > kStations || s.true_ns > s.t_ns || !s.pos_mm.allFinite();
@@ -169,7 +169,7 @@ struct Readings final : Link::Receiver {
 };
 
 /// The conversation with bytes that make sense here and there, at odd times.
-void talk_case(Fuzzer& f, Family& family, Link& link, int64_t& now_ns) {
+void talk_case(Fuzzer& f, Family& family, fastrak::Link& link, int64_t& now_ns) {
   static constexpr std::string_view pieces[] = {"21S                                                  \r\n",
                                                 "21l1100\r\n",
                                                 "2",
@@ -206,7 +206,7 @@ void talk_case(Fuzzer& f, Family& family, Link& link, int64_t& now_ns) {
   ++family.cases;
   if (readings.bad) f.violated(family, "a reading out of range");
   if (link.take_output().size() > 4096) f.violated(family, "it talks without end");
-  if (link.phase() == Link::Phase::closed && f.dice.below(3) == 0) link.opened(now_ns);
+  if (link.phase() == fastrak::Link::Phase::closed && f.dice.below(3) == 0) link.opened(now_ns);
 }
 
 template <class M, class S>
@@ -325,7 +325,7 @@ DevicesFuzzReport devices_fuzz(const DevicesFuzzSettings& set) {
   Layout layout;
   Parser noise_parser;
   noise_parser.reset(layout);
-  Link link{LinkSettings{}};
+  fastrak::Link link{LinkSettings{}};
   int64_t now_ns = 0;
   link.opened(now_ns);
   // What passes depends on the record: the mean over some, and five times its own uncertainty on top.

@@ -91,7 +91,7 @@ class Hand {
       case 1:
         return CutSuture{{pick(2) ? 1 + pick(12) : 0, p}};
       case 2:
-        return SutureBetween{{1 + pick(6), {}}, {1 + pick(6), {}}, {3, 0, pick(2) > 0, 0}};
+        return SutureBetween{{1 + pick(6), {0, 0}}, {1 + pick(6), {0, 0}}, {3, 0, pick(2) > 0, 0}};
       default:
         return Suture{p, p + Vec2(real(-5, 5), real(-5, 5))};
     }

@@ -197,11 +197,11 @@ TEST(Undo, TheHashSeesEveryFieldOfAThread) {
   for (World* w : {&thread, &single}) ASSERT_TRUE(w->apply(Incise{{{-12, 0.3}, {12, 0.3}}, 4, 90}).done);
   row.spacing_mm = 9, row.slack_mm = 0;
   ASSERT_TRUE(thread.apply(row).done);
-  ASSERT_TRUE(thread.apply(CutSuture{{1, {}}}).done);
+  ASSERT_TRUE(thread.apply(CutSuture{{1, {0, 0}}}).done);
   for (int i = 0; i < 3; ++i) {
     const double x = 9 * i - 9;
     ASSERT_TRUE(single.apply(Suture{{x, 1}, {x, -0.5}}).done);
-    ASSERT_TRUE(single.apply(CutSuture{{i + 1, {}}}).done);
+    ASSERT_TRUE(single.apply(CutSuture{{i + 1, {0, 0}}}).done);
   }
   for (int i = 0; i < 2; ++i) {
     ASSERT_TRUE(single.apply(SetHook{1, {0, 15}}).done);

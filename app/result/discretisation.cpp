@@ -1,4 +1,4 @@
-#include "app/scene/discretisation.h"
+#include "app/result/discretisation.h"
 
 #include <algorithm>
 #include <optional>
