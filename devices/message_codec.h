@@ -59,11 +59,12 @@ size_t expected_size(const M& message, const uint8_t*, size_t) {
   return size_t(message.getEncodedSize());
 }
 /// Of the one message that is not of a fixed size: by the length of its line, which is not believed before it fits.
-inline size_t expected_size(const limberg_msg::command_t& message, const uint8_t* data, size_t n) {
+inline size_t expected_size(const limberg_msg::command_t&, const uint8_t* data, size_t n) {
+  static const int kWithoutLine = limberg_msg::command_t{}.getEncodedSize();
   constexpr size_t kLength = 40;  // where it stands: behind fingerprint and prefix
   if (n < kLength + 4) return 0;
   const auto line = get_big_endian<int32_t>(data + kLength);
-  return line < 0 || size_t(line) > kMaxCommandLine ? 0 : size_t(message.getEncodedSize()) + size_t(line);
+  return line < 0 || size_t(line) > kMaxCommandLine ? 0 : size_t(kWithoutLine) + size_t(line);
 }
 
 /// What is wrong with the bytes as a message of type M, or nullptr, and then `message` holds it. `has_checksum`:

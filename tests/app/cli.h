@@ -16,8 +16,8 @@
 
 namespace fs = std::filesystem;
 
-inline const std::string kProgram = binary_dir() + "/limberg";
-inline const std::string kSource = source_dir();
+inline const std::string kProgram = limberg::binary_dir() + "/limberg";
+inline const std::string kSource = limberg::source_dir();
 
 struct Outcome {
   int status = -1;  // exit status; 1000 + signal when killed by one

@@ -62,7 +62,7 @@ class ObjParser {
       for (int k = 0; k < 3; ++k) p[k] = real(word(l), "a vertex needs three finite numbers");
       if (out_.v.size() == limits_.vertices) fail(fmt::format("more than {} vertices", limits_.vertices));
       out_.v.push_back(p);
-    } else if (key == "vt") {
+    } else if (key == "vt" && limits_.texture) {
       Eigen::Vector2f uv;
       for (int k = 0; k < 2; ++k) {
         const std::string_view w = word(l);
@@ -101,7 +101,7 @@ class ObjParser {
       ObjText::Corner c{index(w.substr(0, s), out_.v.size(), "vertex"), -1};
       if (s != std::string_view::npos) {
         const std::string_view rest = w.substr(s + 1), vt = rest.substr(0, rest.find('/'));
-        if (!vt.empty()) c.vt = index(vt, out_.vt.size(), "texture coordinate");
+        if (!vt.empty() && limits_.texture) c.vt = index(vt, out_.vt.size(), "texture coordinate");
       }
       out_.corner.push_back(c);
       if (++f.corners > limits_.polygon_corners)

@@ -31,6 +31,7 @@ struct ObjText {
 struct ObjTextLimits {
   size_t vertices = 0, triangles = 0;  // a polygon of n corners counts as n - 2 triangles
   size_t polygon_corners = std::numeric_limits<size_t>::max();
+  bool texture = true;  // false: texture coordinates are passed over, those of faces too
 };
 
 /// Throws InputError with the line of the trouble. A text without faces, or with no statement at all, is none.

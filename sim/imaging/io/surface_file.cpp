@@ -99,7 +99,9 @@ class Reader {
 
   void obj() {
     if (s_.find('\0') != std::string_view::npos) fail(0, "is no text; expected an OBJ, PLY, STL or xyz file");
-    ObjText text = parse_obj_text(s_, name_, {SurfaceFileLimits::points, SurfaceFileLimits::triangles});
+    ObjText text = parse_obj_text(
+        s_, name_,
+        {.vertices = SurfaceFileLimits::points, .triangles = SurfaceFileLimits::triangles, .texture = false});
     if (text.v.empty()) fail(0, "is of no kind that is known here; expected an OBJ, PLY, STL, xyz or simplex file");
     out_.x_mm = std::move(text.v);
     for (const ObjText::Face& f : text.face)

@@ -301,9 +301,10 @@ TEST_F(Report, ComparesTwoResults) {
   EXPECT_EQ(xml_fault(html), "");
   EXPECT_NE(html.find("Different states"), std::string::npos);
   const auto row = [&](const std::string& name) {
-    const size_t at = html.find("<code>" + name + "</code>");
+    const size_t at = html.find("<span title=\"" + name + ": ");
     return at == std::string::npos ? std::string() : html.substr(at, html.find("</tr>", at) - at);
   };
+  EXPECT_NE(row("closure_force_N").find("closure force, N"), std::string::npos) << "named in words, with its unit";
   EXPECT_NE(row("closure_force_N").find("+2"), std::string::npos) << row("closure_force_N");
   EXPECT_NE(row("closure_force_N").find("beyond"), std::string::npos);
   EXPECT_NE(row("dog_ear_mm").find("within"), std::string::npos);
