@@ -4,8 +4,8 @@
 //
 //   7  landmark  text: the name; value: the place at rest x, y, z and what it lies on (1 bone, 2 face). Where the tool
 //                touches (0, 3) is said so today too: ControlSample::name_place
-//   8  tissue    text: "A/B" or "A/B/MODE", a landmark on the face and one on bone, where they are now; value: radius on
-//                the face and on bone (mm, 0: all bone), layers, Young's modulus (kPa)
+//   8  tissue    text: "A/B" or "A/B/MODE", a landmark on the face and one on bone, where they are now; value: radius
+//                on the face and on bone (mm, 0: all bone), layers, Young's modulus (kPa)
 //   10 beside    value[0]: what the skull is laid upon (SkullBeside); text: the name of that moment
 //   11 shift     value: a place on the fragment; text: translation x, y, z in mm, rotation x, y, z in degrees
 //   12 snap      value: a place on the fragment, which is let go where it lies, into its cut

@@ -1,6 +1,6 @@
 #pragma once
-// The skin under a point of the chart: a uniform grid over the chart, made once per version of the topology. For whoever
-// plans on the chart (the emulated surgeon), not for the device thread: making it allocates.
+// The skin under a point of the chart: a uniform grid over the chart, made once per version of the topology. For
+// whoever plans on the chart (the emulated surgeon), not for the device thread: making it allocates.
 #include <cstdint>
 #include <vector>
 

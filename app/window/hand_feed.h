@@ -26,8 +26,8 @@ struct PointerReading {
   int32_t inside = 1;  // 0: the pointer is over a panel or outside
 };
 
-/// One thing that is done to the patient: the mouse, a choice, a command of a panel, or a reading of the hand that shows
-/// a step. Times and numbers of samples are set by whoever hands them on.
+/// One thing that is done to the patient: the mouse, a choice, a command of a panel, or a reading of the hand that
+/// shows a step. Times and numbers of samples are set by whoever hands them on.
 using HandInput = std::variant<PointerReading, ControlSample, StylusSample, CommandSample>;
 
 /// What panels may ask for: a tool, another control, a command, to be shown the next step.

@@ -1,5 +1,6 @@
 #pragma once
-// Every figure of `metrics` in result.json, once: name, unit, words, definition, error, value and limits. The result, the
+// Every figure of `metrics` in result.json, once: name, unit, words, definition, error, value and limits. The result,
+// the
 // estimates of the lattice's error, lessons, comparisons, the report's limits and `limberg measures` read this table.
 //
 // A figure is added by a field of Metrics with its computation (metrics.h, metrics.cpp) and an entry in table.cpp.

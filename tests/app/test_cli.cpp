@@ -331,7 +331,7 @@ TEST_F(Cli, BadScriptsNameTheirLine) {
       {"no-area", "{\"action\":\"excise\",\"outline\":[[-6,-4],[6,4],[-6,-4]],\"depth_mm\":3}\n", 2,
        "encloses nothing"},
       {"none", slit + stitch + "{\"action\":\"cut_suture\",\"id\":2}\n", 4, "no stitch 2"},
-      {"both", slit + "{\"action\":\"cut_suture\",\"id\":2,\"at\":[0,0]}\n", 3, "either"},
+      {"both", slit + "{\"action\":\"cut_suture\",\"id\":2,\"at\":[0,0]}\n", 3, "unknown key \"at\""},
   };
   for (const auto& b : bad) {
     const std::string f = file(b.name + ".jsonl", script(b.lines));

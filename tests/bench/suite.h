@@ -1,5 +1,6 @@
 #pragma once
-// A benchmark suite as limberg_bench lists it: its name, what it measures, and how it is run with the command's options.
+// A benchmark suite as limberg_bench lists it: its name, what it measures, and how it is run with the command's
+// options.
 //
 // A suite is added by its own files and an entry in suites.cpp.
 #include <cstdint>
