@@ -8,7 +8,7 @@
 namespace limberg {
 
 WorldRegistration calibrate_world(const std::vector<Vec3>& touched, const std::vector<Vec3>& known,
-                                   const RegistrationLimits& limits) {
+                                  const RegistrationLimits& limits) {
   WorldRegistration r;
   const auto refuse = [&](const std::string& why) { r.advice += (r.advice.empty() ? "" : "; ") + why; };
   if (touched.size() != known.size()) {

@@ -29,6 +29,6 @@ struct WorldRegistration {
 
 /// `touched` in the tracker's frame, `known` in the world, in the same order; the last pair is held out.
 WorldRegistration calibrate_world(const std::vector<Vec3>& touched, const std::vector<Vec3>& known,
-                                   const RegistrationLimits& limits = {});
+                                  const RegistrationLimits& limits = {});
 
 }  // namespace limberg
