@@ -38,7 +38,7 @@ struct DeviceKind {
 std::span<const DeviceKind> device_kinds();
 /// Null: there is none of this name.
 const DeviceKind* device_kind(const DeviceSpec& spec);
-/// "lcm[:URL], spacemouse[:SOCKET] or ...", of all kinds or of those that are live.
+/// The forms of all device kinds, or of the live kinds only: "lcm[:URL], spacemouse[:SOCKET] or ...".
 std::string device_forms(bool live_only = false);
 
 /// The live source that a spec names, or nothing when it names one of the others. InputError: a known kind that is

@@ -38,7 +38,7 @@ namespace {
 
 constexpr double kFound = 0.95;     // of the vertices must have the surface within two voxels
 constexpr double kRmsVoxels = 0.5;  // and lie so near it, rms (both: issue list of the craniofacial part)
-// of a scan's points must be within two spacings of the mesh; for a plane, of those that are seen from its side
+// This share of a scan's points must lie within two spacings of the mesh; of a plane's scan, of the points facing it.
 constexpr double kReached = 0.9;
 constexpr double kThin = 100;  // HU: above muscle and brain (45), what .3 mm of cortical bone adds in a voxel of 3.2 mm
 constexpr double

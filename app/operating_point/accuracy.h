@@ -2,8 +2,8 @@
 // `limberg bench accuracy SCENE`: error against run time on the scene itself.
 //
 // The trial (accuracy_probe.h): an incision of 40 mm through the scene's skin, where the scene can be cut; a hook on
-// its lip pulled 6 mm up and 6 mm aside in 24 frames (21 mm/s at 60 Hz). What the surgeon sees in the last of those
-// frames is compared, at the skin 5 to 40 mm from the hook, with the equilibrium of a finer lattice than any in the
+// its lip pulled 6 mm up and 6 mm aside in 24 frames (21 mm/s at 60 Hz). What the surgeon sees in the last frame
+// is compared, at the skin 5 to 40 mm from the hook, with the equilibrium of a finer lattice than any in the
 // sweep: the error holds what the lattice does, and how far the minimiser is behind. Time is CPU time of a frame,
 // median and 95th percentile.
 //

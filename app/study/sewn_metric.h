@@ -3,7 +3,7 @@
 //
 // Which places of the edge a stitch joins is told by where both lie now. Sewn edges lie
 // together there, three or four of them beside a corner, and both banks of a slit do
-// over its last cell: of those within reach the ones that the stitch was given to count.
+// over its last cell: of the edges within reach, the edges named by the stitch count.
 //
 // The skin's edge runs round a wound with tissue on its left, and stitches pair places of it.
 // Going along it from stitch to stitch, and at each over to the other bank, one comes back

@@ -7,7 +7,7 @@
 // A family names its parameters, each with the values it takes by itself and the range that
 // makes sense; --set gives others. Its members are all combinations, the first parameter
 // changing slowest. Each is a process of its own (processes.h) that leaves a file
-// (member_file.h); the rows, charts and bars are made of those files, wherever they were made.
+// (member_file.h); rows, charts and bars are made from the member files, of whichever machine.
 #include <functional>
 #include <memory>
 #include <string>

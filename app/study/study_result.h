@@ -12,7 +12,7 @@ namespace limberg::study {
 struct Gathered {
   const Family* family = nullptr;
   std::vector<Values> members;
-  std::vector<Row> rows;                                    // of those that are done, in the order of `members`
+  std::vector<Row> rows;                                    // of the members that are done, in their order
   std::vector<size_t> row_of;                               // per row: its member
   std::vector<std::pair<std::string, std::string>> failed;  // member's name and why
   bool complete() const { return rows.size() == members.size(); }
