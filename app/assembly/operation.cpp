@@ -5,6 +5,7 @@
 
 #include "app/session/clock.h"
 #include "sim/base/error.h"
+#include "sim/commands/kinds.h"
 
 namespace limberg {
 
@@ -39,7 +40,7 @@ class Operation {
   }
 
   void note_closure(const Command& c, int line) {
-    if (std::holds_alternative<Stage>(c) || std::holds_alternative<Wait>(c)) return;
+    if (leaves_patient(c)) return;
     patient_.fill(now_);
     if (now_.sutures.empty() && out.closure.empty()) return;
     ClosureForce f{line, action_name(c), 0, 0, int(now_.sutures.size()), 0};

@@ -4,6 +4,7 @@
 #include <charconv>
 
 #include "sim/base/error.h"
+#include "sim/commands/kinds.h"
 
 namespace limberg {
 
@@ -12,11 +13,8 @@ Script reordered(const Script& script, const std::string& how) {
   for (size_t i = 0; i < script.lines.size(); ++i) {
     const Command& c = script.lines[i].command;
     const int line = script.lines[i].line;
-    if (std::holds_alternative<Suture>(c) || std::holds_alternative<SutureRow>(c) ||
-        std::holds_alternative<SutureCorner>(c))
-      at.push_back(i);
-    if (std::holds_alternative<Undo>(c) || std::holds_alternative<Redo>(c) ||
-        std::holds_alternative<SutureBetween>(c) || std::holds_alternative<CutSuture>(c))
+    if (sews(c)) at.push_back(i);
+    if (looks_back(c))
       throw InputError(
           script.name, line,
           std::string(action_name(c)) + " depends on the order of what comes before it; expected a script without it");

@@ -9,6 +9,7 @@
 #include "app/result/json_nesting.h"
 #include "app/result/result.h"
 #include "sim/base/error.h"
+#include "sim/commands/kinds.h"
 
 namespace limberg {
 
@@ -38,11 +39,6 @@ Command command(const Json& j, const std::string& file, int number) {
 }
 
 }  // namespace
-
-bool is_cut(const Command& c) {
-  return std::holds_alternative<Incise>(c) || std::holds_alternative<InciseMore>(c) ||
-         std::holds_alternative<Undermine>(c) || std::holds_alternative<Excise>(c) || std::holds_alternative<Redo>(c);
-}
 
 std::string to_text(const Repro& r) {
   nlohmann::ordered_json j;  // what it is stands first
@@ -129,12 +125,12 @@ Script script_of(const Repro& r, const std::string& file) {
 ReproWriter::ReproWriter(std::string dir, Repro blank) : dir_(std::move(dir)), repro_(std::move(blank)) {}
 
 void ReproWriter::done(const Command& c) {
-  if (dir_.empty() || std::holds_alternative<Stage>(c) || std::holds_alternative<Wait>(c)) return;
+  if (dir_.empty() || leaves_patient(c)) return;
   repro_.commands.push_back(c);
 }
 
 std::string ReproWriter::refused(const Command& c, const std::string& reason, uint64_t topology_hash) {
-  if (dir_.empty() || !is_cut(c) || !error_.empty() || int(files_.size()) >= kMost) return {};
+  if (dir_.empty() || !cuts_skin(c) || !error_.empty() || int(files_.size()) >= kMost) return {};
   if (const auto* piece = std::get_if<InciseMore>(&c)) {
     if (piece->stroke == last_stroke_) return {};  // the rest of a stroke that has stopped
     last_stroke_ = piece->stroke;

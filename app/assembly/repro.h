@@ -34,9 +34,6 @@ Repro parse_repro(const std::string& text, const std::string& file);
 /// All its commands, the refused one last; lines are their numbers.
 Script script_of(const Repro& repro, const std::string& file);
 
-/// Is it a command whose refusal is worth a file?
-bool is_cut(const Command& command);
-
 /// Keeps what has been carried out and writes repro-1.json, repro-2.json, ... into a folder: the first numbers that are
 /// free, at most kMost by one program. Failing to write is said in `error` and ends the writing; it stops nothing else.
 class ReproWriter {

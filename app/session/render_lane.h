@@ -1,13 +1,13 @@
 #pragma once
 // The render thread's work on one frame, without the thread: the newest patient goes to the picture sink; nothing is
 // drawn when neither patient nor hand changed. Every stage that was passed gets its picture, once.
-#include <algorithm>
 #include <deque>
 #include <string>
 #include <vector>
 
 #include "app/session/channels.h"
 #include "app/session/picture_sink.h"
+#include "app/session/visible.h"
 
 namespace limberg {
 
@@ -61,38 +61,24 @@ class RenderLane {
   bool open() const { return !sink_ || sink_->open(); }
 
  private:
-  static constexpr float kVisible_mm = 0.02f;  // a quarter of a pixel when the skin block fills a 1280 pixel picture
-
   bool hand_changed() const {
     const ToolState& t = ch_.hand_to_render.reading().tool;
-    double d2 = 0;
-    for (int i = 0; i < 3; ++i) d2 += (t.tip_mm[i] - shown_tool_.tip_mm[i]) * (t.tip_mm[i] - shown_tool_.tip_mm[i]);
-    return d2 > kVisible_mm * kVisible_mm || t.tool != shown_tool_.tool || t.pressed != shown_tool_.pressed ||
-           t.valid != shown_tool_.valid || glove_changed();
+    return visibly_moved(t.tip_mm, shown_tool_.tip_mm) || t.tool != shown_tool_.tool ||
+           t.pressed != shown_tool_.pressed || t.valid != shown_tool_.valid || glove_changed();
   }
   bool glove_changed() const {
     const SecondHand &g = ch_.hand_to_render.reading().glove, &old = shown_glove_;
     if (g.valid != old.valid) return true;
     if (!g.valid) return false;
-    if (g.closed != old.closed || g.points != old.points || g.held_hook != old.held_hook ||
-        g.carried.holds != old.carried.holds)
-      return true;
     constexpr double kRay_mm = 60;  // as long is a ray that meets nothing
-    double fore = 0, thumb = 0, at = 0, turned = 0;
-    for (int i = 0; i < 3; ++i) {
-      const auto d2 = [i](const double(&a)[3], const double(&b)[3]) { return (a[i] - b[i]) * (a[i] - b[i]); };
-      fore += d2(g.forefinger_mm, old.forefinger_mm), thumb += d2(g.thumb_mm, old.thumb_mm);
-      at += d2(g.pointed_mm, old.pointed_mm), turned += kRay_mm * kRay_mm * d2(g.pointing, old.pointing);
-    }
-    return std::max({fore, thumb, g.points ? at : 0.0, turned}) > double(kVisible_mm) * double(kVisible_mm);
+    return g.closed != old.closed || g.points != old.points || g.held_hook != old.held_hook ||
+           g.carried.holds != old.carried.holds || visibly_moved(g.forefinger_mm, old.forefinger_mm) ||
+           visibly_moved(g.thumb_mm, old.thumb_mm) || (g.points && visibly_moved(g.pointed_mm, old.pointed_mm)) ||
+           visibly_moved(g.pointing, old.pointing, kRay_mm);
   }
   bool patient_changed(const Snapshot& s) const {
-    if (frames_drawn_ == 0 || s.topology_version != shown_version_ || s.hooks.size() != shown_hooks_ ||
-        s.sutures.size() != shown_sutures_ || s.x_mm.size() != shown_x_.size() || s.field.empty() != shown_plain_)
-      return true;
-    for (size_t i = 0; i < s.x_mm.size(); ++i)
-      if ((s.x_mm[i] - shown_x_[i]).squaredNorm() > kVisible_mm * kVisible_mm) return true;
-    return false;
+    return frames_drawn_ == 0 || s.topology_version != shown_version_ || s.hooks.size() != shown_hooks_ ||
+           s.sutures.size() != shown_sutures_ || s.field.empty() != shown_plain_ || visibly_moved(s.x_mm, shown_x_);
   }
   void remember(const Snapshot& s) {
     shown_tool_ = ch_.hand_to_render.reading().tool, shown_glove_ = ch_.hand_to_render.reading().glove;

@@ -5,6 +5,7 @@
 #include "app/window/pointer_source.h"
 #include "devices/emulator.h"
 #include "devices/head_surgeon.h"
+#include "sim/commands/kinds.h"
 #include "sim/commands/strokes.h"
 
 namespace limberg {
@@ -25,8 +26,7 @@ SurgeonSettings steady_hand() {
 std::vector<std::vector<Command>> lesson_steps(const std::vector<Command>& script) {
   std::vector<std::vector<Command>> steps;
   for (const Command& c : join_strokes(script)) {
-    const bool follows = std::holds_alternative<Wait>(c) || std::holds_alternative<Stage>(c);
-    if (steps.empty() || !follows) steps.emplace_back();
+    if (steps.empty() || !leaves_patient(c)) steps.emplace_back();
     steps.back().push_back(c);
   }
   return steps;

@@ -127,23 +127,14 @@ void Desk::tools(const DeskReading& r, int height) {
     if ((t.tool == Tool::none || (acts_on_bone(t.tool) ? facts_.head : facts_.skin)) &&
         ImGui::Selectable(fmt::format("{}  {}", char(t.key), t.name).c_str(), state.tool == t.tool && !state.ruler))
       choose(t.tool);
-  const bool cuts = state.tool == Tool::scalpel || state.tool == Tool::undermine || state.tool == Tool::excise;
-  if (cuts || state.tool == Tool::suture_row) {
-    ImGui::PushItemWidth(-1);
-    if (cuts) {
-      ImGui::TextColored(kQuiet, "depth");
-      state.tool_changed |= ImGui::SliderFloat("##depth", &state.depth_mm, 0.5f, float(facts_.max_depth_mm), "%.1f mm");
-    }
-    if (state.tool == Tool::scalpel) {
-      ImGui::TextColored(kQuiet, "blade's angle to the skin");
-      state.tool_changed |= ImGui::SliderFloat("##angle", &state.angle_deg, 30, 150, "%.0f\u00b0");
-    }
-    if (state.tool == Tool::suture_row) {
-      ImGui::TextColored(kQuiet, "spacing");
-      state.tool_changed |= ImGui::SliderFloat("##spacing", &state.spacing_mm, 1.5f, 12, "%.1f mm");
-    }
-    ImGui::PopItemWidth();
+  ImGui::PushItemWidth(-1);
+  for (const ToolSlider& k : tool_sliders(state.tool, facts_.max_depth_mm)) {
+    ImGui::TextColored(kQuiet, "%s", k.name.c_str());
+    state.tool_changed |=
+        ImGui::SliderFloat(("##" + k.name).c_str(), &(state.*k.value), k.from, k.to, k.format.c_str());
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", k.help.c_str());
   }
+  ImGui::PopItemWidth();
   ImGui::Spacing();
   const float half = half_width();
   if (ImGui::Button("Undo", {half, 0})) state.undo = true;

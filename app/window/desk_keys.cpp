@@ -3,9 +3,12 @@
 #include "app/window/desk_keys.h"
 
 #include <algorithm>
+#include <string_view>
+#include <utility>
 
 #include "app/window/desk.h"
 #include "render/quality.h"
+#include "sim/commands/actions.h"
 
 namespace limberg {
 
@@ -28,6 +31,25 @@ void turn_on(T& value, int n) {
 }
 
 }  // namespace
+
+std::vector<ToolSlider> tool_sliders(Tool tool, double max_depth_mm) {
+  static constexpr std::pair<std::string_view, float HandChoice::*> kSettings[] = {
+      {"depth_mm", &HandChoice::depth_mm},
+      {"angle_deg", &HandChoice::angle_deg},
+      {"spacing_mm", &HandChoice::spacing_mm}};
+  std::vector<ToolSlider> sliders;
+  for (const DeskTool& t : kDeskTools) {
+    if (t.tool != tool || !t.action[0]) continue;
+    for (const auto& [key, value] : kSettings)
+      for (const ActionField& f : action_fields(t.action)) {
+        if (f.field.key != key || f.field.usual_to <= 0) continue;
+        const double to = value == &HandChoice::depth_mm ? std::min(max_depth_mm, f.field.to) : f.field.usual_to;
+        sliders.push_back({value, float(f.field.usual_from), float(to), std::string(key.substr(0, key.rfind('_'))),
+                           f.unit == "degrees" ? "%.0f\u00b0" : "%.1f " + f.unit, f.field.help});
+      }
+  }
+  return sliders;
+}
 
 ControlSample control_of(const HandChoice& h) {
   ControlSample c;

@@ -17,14 +17,15 @@ struct DeskTool {
   Tool tool = Tool::none;
   int32_t key = 0;
   const char* name = "";
+  const char* action = "";  // what the hand does with it, as the table of acts has it; empty: no sliders
 };
 inline constexpr std::array<DeskTool, 10> kDeskTools{{{Tool::none, '1', "Look around"},
-                                                      {Tool::scalpel, '2', "Scalpel"},
-                                                      {Tool::undermine, '3', "Undermine"},
-                                                      {Tool::excise, '4', "Excise"},
+                                                      {Tool::scalpel, '2', "Scalpel", "incise"},
+                                                      {Tool::undermine, '3', "Undermine", "undermine"},
+                                                      {Tool::excise, '4', "Excise", "excise"},
                                                       {Tool::hook, '5', "Hook"},
                                                       {Tool::suture, '6', "Stitch"},
-                                                      {Tool::suture_row, '7', "Row of stitches"},
+                                                      {Tool::suture_row, '7', "Row of stitches", "suture_row"},
                                                       {Tool::saw, '8', "Saw"},
                                                       {Tool::grab, '9', "Grab"},
                                                       {Tool::scissors, '0', "Scissors"}}};
@@ -34,6 +35,15 @@ struct HandChoice {
   Tool tool = Tool::none;  // none: look around
   float depth_mm = 4, angle_deg = 90, spacing_mm = 4;
 };
+/// A setting of a tool, as the panels offer it.
+struct ToolSlider {
+  float HandChoice::*value = nullptr;
+  float from = 0, to = 0;
+  std::string name, format, help;
+};
+/// Of the fields of a tool's action (sim/commands/table.h) those that a hand sets, over what the table calls usual.
+/// max_depth_mm: how deep the scene allows.
+std::vector<ToolSlider> tool_sliders(Tool tool, double max_depth_mm);
 /// As the control that tells the device side of it.
 ControlSample control_of(const HandChoice& choice);
 

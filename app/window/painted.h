@@ -4,6 +4,7 @@
 #include <cstring>
 #include <vector>
 
+#include "app/session/visible.h"
 #include "app/window/desk.h"
 #include "render/renderer.h"
 
@@ -28,18 +29,16 @@ struct PictureWish {
 class Painted {
  public:
   /// Whether a picture of this scene would differ from the one that was noted: tissue that has moved by less than
-  /// kVisible_mm does not count.
+  /// kVisible_mm (visible.h) does not count.
   bool shows(const RenderScene& s, const PictureWish& wish) const {
-    if (!valid_ || !(wish == wish_) || s.mesh != mesh_ || s.x_mm.size() != x_mm_.size() || !same(s.field, field_) ||
-        !same(s.lines.x_mm, lines_) || s.props.vertex.size() != props_.size())
+    if (!valid_ || !(wish == wish_) || s.mesh != mesh_ || !same(s.field, field_) || !same(s.lines.x_mm, lines_) ||
+        s.props.vertex.size() != props_.size())
       return false;
     for (size_t v = 0; v < props_.size(); ++v) {
       const PropVertex &a = s.props.vertex[v], &b = props_[v];
-      if (moved(a.x_mm, b.x_mm) || a.id != b.id || a.colour != b.colour || a.metal != b.metal) return false;
+      if (visibly_moved(a.x_mm, b.x_mm) || a.id != b.id || a.colour != b.colour || a.metal != b.metal) return false;
     }
-    for (size_t v = 0; v < x_mm_.size(); ++v)
-      if (moved(s.x_mm[v], x_mm_[v])) return false;
-    return true;
+    return !visibly_moved(s.x_mm, x_mm_);
   }
   void note(const RenderScene& s, const PictureWish& wish) {
     valid_ = true, wish_ = wish, mesh_ = s.mesh;
@@ -48,8 +47,6 @@ class Painted {
   void forget() { valid_ = false; }
 
  private:
-  static constexpr float kVisible_mm = 0.02f;  // as in the render lane: a quarter of a pixel
-  static bool moved(const Vec3f& a, const Vec3f& b) { return (a - b).squaredNorm() > kVisible_mm * kVisible_mm; }
   template <class T>
   static bool same(const std::vector<T>& a, const std::vector<T>& b) {
     return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);

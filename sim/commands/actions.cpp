@@ -109,6 +109,12 @@ const std::vector<ActionLine>& action_lines() {
   return all;
 }
 
+const std::vector<ActionField>& action_fields(const std::string& action) {
+  for (const ActionLine& a : action_lines())
+    if (a.name == action) return a.fields;
+  throw std::logic_error("the table of acts has no " + action);
+}
+
 const ActionField& action_field(const std::string& action, const std::string& key) {
   for (const ActionLine& a : action_lines())
     if (a.name == action)

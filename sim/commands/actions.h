@@ -26,6 +26,8 @@ struct ActionLine {
 
 /// All of them, in the order of the table.
 const std::vector<ActionLine>& action_lines();
+/// The fields of an action, of its first form. std::logic_error: there is no such action.
+const std::vector<ActionField>& action_fields(const std::string& action);
 /// The field of an action. std::logic_error: there is none of that name.
 const ActionField& action_field(const std::string& action, const std::string& key);
 

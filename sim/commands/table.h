@@ -22,6 +22,9 @@
 //   check    what is wrong with the fields together, or an empty text
 //   words    the act in a few words, for a list on a screen; otherwise its name
 //   deed     what a report says of it under the picture of a stage; otherwise nothing
+//   cuts_skin, sews     true: it may cut skin, it ties stitches
+//   looks_back          true: what it does hangs on the order of the acts before it
+//   leaves_patient      true: it changes nothing in the patient
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -90,6 +93,7 @@ template <>
 struct Act<Incise> {
   static constexpr const char* name = "incise";
   static constexpr Needs needs = Needs::skin;
+  static constexpr bool cuts_skin = true;
   static constexpr const char* help = "A cut along a path on the skin.";
   static constexpr const char* example = R"({"action":"incise","path":[[10,0],[30,0]],"depth_mm":4,"angle_deg":90})";
   static void fields(auto& v, auto& c) {
@@ -114,6 +118,7 @@ struct Act<InciseMore> {
   static constexpr const char* name = "incise";
   static constexpr const char* mark = "stroke";
   static constexpr Needs needs = Needs::skin;
+  static constexpr bool cuts_skin = true;
   static constexpr const char* help =
       "A piece of a cut that opens while it is drawn: further pieces go on from its last point, the one without "
       "\"more\" "
@@ -140,6 +145,7 @@ template <>
 struct Act<Undermine> {
   static constexpr const char* name = "undermine";
   static constexpr Needs needs = Needs::skin;
+  static constexpr bool cuts_skin = true;
   static constexpr const char* help = "A cut below the skin, at one depth under an outline.";
   static constexpr const char* example =
       R"({"action":"undermine","outline":[[0,0],[20,0],[20,10],[0,10]],"depth_mm":4})";
@@ -160,6 +166,7 @@ template <>
 struct Act<Excise> {
   static constexpr const char* name = "excise";
   static constexpr Needs needs = Needs::skin;
+  static constexpr bool cuts_skin = true;
   static constexpr const char* help = "A plug of tissue is cut round and below, and taken away.";
   static constexpr const char* example = R"({"action":"excise","outline":[[0,0],[20,0],[20,10],[0,10]],"depth_mm":4})";
   static void fields(auto& v, auto& c) {
@@ -224,6 +231,7 @@ template <>
 struct Act<Suture> {
   static constexpr const char* name = "suture";
   static constexpr Needs needs = Needs::skin;
+  static constexpr bool sews = true;
   static constexpr const char* help = "One stitch.";
   static constexpr const char* example = R"({"action":"suture","a":[0,-0.7],"b":[0,0.7]})";
   static void fields(auto& v, auto& c) {
@@ -238,6 +246,7 @@ template <>
 struct Act<SutureRow> {
   static constexpr const char* name = "suture_row";
   static constexpr Needs needs = Needs::skin;
+  static constexpr bool sews = true;
   static constexpr const char* help = "Stitches along two paths beside the two edges, ends included.";
   static constexpr const char* example =
       R"({"action":"suture_row","a":[[-10,-0.7],[10,-0.7]],"b":[[-10,0.7],[10,0.7]],"spacing_mm":4})";
@@ -261,6 +270,7 @@ template <>
 struct Act<SutureCorner> {
   static constexpr const char* name = "suture_corner";
   static constexpr Needs needs = Needs::skin;
+  static constexpr bool sews = true;
   static constexpr const char* help =
       "A half-buried mattress stitch: one thread from bank a through the flap's tip to bank b, all within the walls.";
   static constexpr const char* example =
@@ -278,6 +288,7 @@ template <>
 struct Act<SutureBetween> {
   static constexpr const char* name = "suture_between";
   static constexpr Needs needs = Needs::skin;
+  static constexpr bool sews = true, looks_back = true;
   static constexpr const char* help = "A row along the wound's edges between two stitches.";
   static constexpr const char* example = R"({"action":"suture_between","from":1,"to":2,"spacing_mm":4})";
   static void fields(auto& v, auto& c) {
@@ -293,6 +304,7 @@ template <>
 struct Act<CutSuture> {
   static constexpr const char* name = "cut_suture";
   static constexpr Needs needs = Needs::skin;
+  static constexpr bool looks_back = true;
   static constexpr const char* help = "A thread is cut and taken out, the whole of it.";
   static constexpr const char* example = R"({"action":"cut_suture","id":3})";
   static void fields(auto& v, auto& c) {
@@ -309,6 +321,7 @@ template <>
 struct Act<Undo> {
   static constexpr const char* name = "undo";
   static constexpr Needs needs = Needs::nothing;
+  static constexpr bool looks_back = true;
   static constexpr const char* help = "The last act that changed the patient is taken back.";
   static constexpr const char* example = R"({"action":"undo"})";
   static void fields(auto&, auto&) {}
@@ -319,6 +332,7 @@ template <>
 struct Act<Redo> {
   static constexpr const char* name = "redo";
   static constexpr Needs needs = Needs::nothing;
+  static constexpr bool cuts_skin = true, looks_back = true;  // a cut may be done again
   static constexpr const char* help = "What was undone last is done again; a new act ends that.";
   static constexpr const char* example = R"({"action":"redo"})";
   static void fields(auto&, auto&) {}
@@ -329,6 +343,7 @@ template <>
 struct Act<Stage> {
   static constexpr const char* name = "stage";
   static constexpr Needs needs = Needs::nothing;
+  static constexpr bool leaves_patient = true;
   static constexpr const char* help = "A picture and a row in the report.";
   static constexpr const char* example = R"({"action":"stage","name":"flap cut"})";
   static void fields(auto& v, auto& c) {
@@ -341,6 +356,7 @@ template <>
 struct Act<Wait> {
   static constexpr const char* name = "wait";
   static constexpr Needs needs = Needs::nothing;
+  static constexpr bool leaves_patient = true;
   static constexpr const char* help = "Lets time pass: the tissue comes to rest.";
   static constexpr const char* example = R"({"action":"wait","seconds":1})";
   static void fields(auto& v, auto& c) { v(Field::number("seconds", 0, ScriptLimits::seconds, "how long"), c.seconds); }

@@ -86,5 +86,26 @@ TEST(RenderLane, DrawsAgainWhenTheGloveHasMoved) {
   EXPECT_EQ(drawn(), 1);
 }
 
+TEST(RenderLane, DrawsAgainWhenThePatientHasMovedVisibly) {
+  auto channels = std::make_unique<Channels>();
+  Hands sink;
+  RenderLane lane(*channels, &sink, true);
+  Snapshot patient = test::snapshot_of(test::flat_topology(2, 1));
+  const auto drawn = [&] {
+    const int before = sink.frames;
+    channels->patient_to_render.writing().snapshot = patient, channels->patient_to_render.publish();
+    lane.frame();
+    return sink.frames - before;
+  };
+  EXPECT_EQ(drawn(), 1);
+  EXPECT_EQ(drawn(), 0);
+  patient.x_mm[1].z() += 0.5f * float(kVisible_mm);
+  EXPECT_EQ(drawn(), 0) << "cannot be seen";
+  patient.x_mm[1].z() += 0.8f * float(kVisible_mm);
+  EXPECT_EQ(drawn(), 1) << "small motions add up";
+  patient.sutures.emplace_back();
+  EXPECT_EQ(drawn(), 1);
+}
+
 }  // namespace test_lanes
 }  // namespace limberg

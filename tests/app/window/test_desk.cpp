@@ -10,6 +10,7 @@
 #include "app/window/waiting.h"
 #include "app/window/window_frames.h"
 #include "render/gl_context.h"
+#include "sim/commands/actions.h"
 #include "tests/render/sample_snapshot.h"
 
 namespace limberg {
@@ -220,6 +221,33 @@ TEST_F(DeskTest, EveryToolHasItsKeyItsRowInThePaletteAndItsWordInTheHelp) {
     if (c.kind == ControlSample::select_tool && (rows.empty() || rows.back() != c.tool)) rows.push_back(c.tool);
   EXPECT_EQ(rows, (std::vector<Tool>{Tool::none, Tool::scalpel, Tool::undermine, Tool::excise, Tool::hook, Tool::suture,
                                      Tool::suture_row, Tool::scissors}));
+}
+
+TEST(ToolSliders, AreThoseOfTheTableOfActs) {
+  const auto names = [](Tool tool) {
+    std::string s;
+    for (const ToolSlider& k : tool_sliders(tool, 9)) s += k.name + " ";
+    return s;
+  };
+  EXPECT_EQ(names(Tool::scalpel), "depth angle ");
+  EXPECT_EQ(names(Tool::undermine), "depth ");
+  EXPECT_EQ(names(Tool::excise), "depth ");
+  EXPECT_EQ(names(Tool::suture_row), "spacing ");
+  for (const Tool tool : {Tool::none, Tool::hook, Tool::suture, Tool::saw, Tool::grab, Tool::scissors})
+    EXPECT_EQ(names(tool), "") << int(tool);
+  const ActionField &angle = action_field("incise", "angle_deg"), &spacing = action_field("suture_row", "spacing_mm");
+  const ToolSlider of_angle = tool_sliders(Tool::scalpel, 9)[1], of_spacing = tool_sliders(Tool::suture_row, 9)[0],
+                   of_depth = tool_sliders(Tool::scalpel, 7.5)[0];
+  EXPECT_EQ(of_angle.from, float(angle.field.usual_from));
+  EXPECT_EQ(of_angle.to, float(angle.field.usual_to));
+  EXPECT_EQ(of_angle.help, angle.field.help);
+  EXPECT_EQ(of_angle.format, "%.0f\u00b0");
+  EXPECT_EQ(of_spacing.to, float(spacing.field.usual_to));
+  EXPECT_EQ(of_spacing.format, "%.1f mm");
+  EXPECT_EQ(of_depth.to, 7.5f) << "the scene allows no more";
+  HandChoice hand;
+  hand.*of_spacing.value = 6;
+  EXPECT_EQ(hand.spacing_mm, 6);
 }
 
 TEST_F(DeskTest, TheRightButtonTurnsAndHomeComesBack) {

@@ -10,6 +10,7 @@
 #include "app/program/places.h"
 #include "sim/base/error.h"
 #include "sim/commands/actions.h"
+#include "sim/commands/kinds.h"
 #include "sim/commands/script.h"
 #include "sim/commands/table.h"
 #include "sim/commands/words.h"
@@ -234,6 +235,26 @@ TEST(Table, EveryActIsDescribed) {
   EXPECT_EQ(action_field("incise", "angle_deg").limits, "20 to 160");
   EXPECT_THROW(action_field("incise", "colour"), std::logic_error);
   EXPECT_EQ(actions_text("dance"), "");
+}
+
+TEST(Table, ActsHaveKinds) {
+  std::string cutting, sewing, looking_back, leaving;
+  for_each_act([&]<class C>(std::type_identity<C>) {
+    Command c;
+    if constexpr (std::is_constructible_v<HeadCommand, C>)
+      c = HeadCommand(C{});
+    else
+      c = C{};
+    const std::string name = std::string(Act<C>::name) + " ";
+    if (cuts_skin(c)) cutting += name;
+    if (sews(c)) sewing += name;
+    if (looks_back(c)) looking_back += name;
+    if (leaves_patient(c)) leaving += name;
+  });
+  EXPECT_EQ(cutting, "incise incise undermine excise redo ");
+  EXPECT_EQ(sewing, "suture suture_row suture_corner suture_between ");
+  EXPECT_EQ(looking_back, "undo redo suture_between cut_suture ");
+  EXPECT_EQ(leaving, "stage wait ");
 }
 
 TEST(Table, ThePageIsMadeFromIt) {

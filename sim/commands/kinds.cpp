@@ -1,0 +1,31 @@
+#include "sim/commands/kinds.h"
+
+#include "sim/commands/table.h"
+
+namespace limberg {
+
+bool cuts_skin(const Command& command) {
+  return visit_act(command, []<class C>(const C&) {
+    return requires { requires Act<C>::cuts_skin; };
+  });
+}
+
+bool sews(const Command& command) {
+  return visit_act(command, []<class C>(const C&) {
+    return requires { requires Act<C>::sews; };
+  });
+}
+
+bool looks_back(const Command& command) {
+  return visit_act(command, []<class C>(const C&) {
+    return requires { requires Act<C>::looks_back; };
+  });
+}
+
+bool leaves_patient(const Command& command) {
+  return visit_act(command, []<class C>(const C&) {
+    return requires { requires Act<C>::leaves_patient; };
+  });
+}
+
+}  // namespace limberg

@@ -1,0 +1,16 @@
+#pragma once
+// Kinds of acts, by the rows of the table (table.h).
+#include "sim/commands/command.h"
+
+namespace limberg {
+
+/// It may cut skin: redo too, which may do a cut again.
+bool cuts_skin(const Command& command);
+/// It ties stitches.
+bool sews(const Command& command);
+/// What it does hangs on the order of the acts before it: it takes one back, or names stitches by their numbers.
+bool looks_back(const Command& command);
+/// It changes nothing in the patient: a stage, a wait.
+bool leaves_patient(const Command& command);
+
+}  // namespace limberg
