@@ -2,10 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
-#include "app/result/schema.h"
+#include "app/result/run_result.h"
 #include "sim/commands/strokes.h"
 
 namespace limberg {
@@ -31,49 +32,47 @@ Exercise exercise(std::span<const Command> script, const Metrics& m, const std::
   return e;
 }
 
+namespace {
+
+ResultExercise figures_of(const Exercise& e) {
+  ResultExercise x;
+  x.time_s = e.time_s;
+  if (e.hand) {
+    x.path_mm = e.hand->path_mm, x.movements = e.hand->movements;
+    x.tracked_s = e.hand->tracked_s, x.pressed_s = e.hand->pressed_s;
+    x.tracking_gaps = e.hand->gaps, x.tracking_lost_s = e.hand->lost_s;
+  }
+  x.cuts = e.cuts, x.hooks = e.hooks, x.hook_moves = e.hook_moves, x.stitches = e.stitches;
+  x.threads_cut = e.threads_cut, x.undos = e.undos, x.redos = e.redos, x.refused = e.refused;
+  x.gaps_open = e.gaps_open, x.peaks_over_2_5_N = e.peaks_over_2_5_N, x.peaks_over_5_N = e.peaks_over_5_N;
+  if (e.design)
+    x.design = {e.design->corner_mean_mm,   e.design->corner_max_mm, e.design->angle_max_deg,
+                e.design->limb_max_percent, e.design->corners,       e.design->missing.size()};
+  return x;
+}
+
+}  // namespace
+
 std::vector<Judgement> fill_exercise(Result& r, const Exercise& e, const Metrics& m, const Lesson* lesson) {
+  write_fields(r, "/exercise", figures_of(e));
+  if (!lesson) return {};
   LessonValues measured = lesson_values(m, e.design);
   std::map<std::string, double>& values = measured.value;
   values["undos"] = e.undos;
-  const auto set = [&](const char* name, auto v) { r.set(std::string("/exercise/") + name, v); };
-  if (e.time_s) set("time_s", *e.time_s), values["time_s"] = *e.time_s;
-  if (e.hand) {
-    set("path_mm", e.hand->path_mm);
-    set("movements", e.hand->movements);
-    set("tracked_s", e.hand->tracked_s);
-    set("pressed_s", e.hand->pressed_s);
-    set("tracking_gaps", e.hand->gaps);
-    set("tracking_lost_s", e.hand->lost_s);
-    values["path_mm"] = e.hand->path_mm;
-    values["movements"] = e.hand->movements;
-  }
-  set("cuts", e.cuts), set("hooks", e.hooks), set("hook_moves", e.hook_moves), set("stitches", e.stitches);
-  set("threads_cut", e.threads_cut), set("undos", e.undos), set("redos", e.redos), set("refused", e.refused);
-  set("gaps_open", e.gaps_open), set("peaks_over_2_5_N", e.peaks_over_2_5_N), set("peaks_over_5_N", e.peaks_over_5_N);
-  if (e.design) {
-    set("design/corner_mean_mm", e.design->corner_mean_mm);
-    set("design/corner_max_mm", e.design->corner_max_mm);
-    set("design/angle_max_deg", e.design->angle_max_deg);
-    set("design/limb_max_percent", e.design->limb_max_percent);
-    set("design/corners", e.design->corners);
-    set("design/missing", int(e.design->missing.size()));
-  }
-  if (!lesson) return {};
-  r.set("/lesson/title", lesson->title);
-  r.set("/lesson/goal", lesson->goal);
-  r.set("/lesson/file", lesson->file);
-  bool all = true;
+  if (e.time_s) values["time_s"] = *e.time_s;
+  if (e.hand) values["path_mm"] = e.hand->path_mm, values["movements"] = e.hand->movements;
   auto judged = judge(*lesson, measured);
   if (!e.hand)
     std::erase_if(judged, [](const Judgement& j) {
       return !j.value && (j.name == "time_s" || j.name == "path_mm" || j.name == "movements");
     });
-  for (const Judgement& x : judged) {
-    append(r, "/lesson/tolerances", ResultTolerance{x.name, x.unit, x.limit, x.value, x.met, x.value ? "" : x.why});
-    all &= x.met;
-  }
-  r.set("/lesson/all_met", all);
-  for (size_t i = 0; i < lesson->hints.size(); ++i) r.set("/lesson/hints/" + std::to_string(i), lesson->hints[i]);
+  std::vector<ResultTolerance> tolerances;
+  for (const Judgement& x : judged)
+    tolerances.push_back({x.name, x.unit, x.limit, x.value, x.met, x.value ? "" : x.why});
+  const bool all_met = std::all_of(judged.begin(), judged.end(), [](const Judgement& x) { return x.met; });
+  write_fields(r, "/lesson",
+               ResultLesson{lesson->title, lesson->goal, lesson->file, unless_empty(std::move(tolerances)), all_met,
+                            unless_empty(lesson->hints)});
   return judged;
 }
 

@@ -13,6 +13,7 @@
 #include "app/report/report_names.h"
 #include "app/result/output.h"
 #include "app/result/progress.h"
+#include "app/result/schema.h"
 #include "app/result/tables.h"
 #include "app/session/clock.h"
 #include "app/session/workers_pool.h"
@@ -31,6 +32,30 @@ struct DesignOptions {
   int show = 12;
   CommonOptions common;
 };
+
+/// rows: a design with its costs.
+struct ResultDesign {
+  MaybeText design, procedure;
+  double turn_deg;
+  bool mirrored;
+  MaybeText pass;
+  double cell_mm, cost, first_pass_cost, force_cost, dog_ear_cost, landmark_cost, suture_force_max_N, closure_force_N,
+      dog_ear_mm, landmark_max_mm, excised_mm2, scar_length_mm, residual;
+};
+void fields(ResultDesign& x, auto&& f) {
+  f("design", x.design), f("procedure", x.procedure), f("turn_deg", x.turn_deg), f("mirrored", x.mirrored);
+  f("pass", x.pass), f("cell_mm", x.cell_mm), f("cost", x.cost), f("first_pass_cost", x.first_pass_cost);
+  f("force_cost", x.force_cost), f("dog_ear_cost", x.dog_ear_cost), f("landmark_cost", x.landmark_cost);
+  f("suture_force_max_N", x.suture_force_max_N), f("closure_force_N", x.closure_force_N);
+  f("dog_ear_mm", x.dog_ear_mm), f("landmark_max_mm", x.landmark_max_mm), f("excised_mm2", x.excised_mm2);
+  f("scar_length_mm", x.scar_length_mm), f("residual", x.residual);
+}
+
+/// dropped: a design that cannot be carried out.
+struct ResultDropped {
+  MaybeText design, reason;
+};
+void fields(ResultDropped& x, auto&& f) { f("design", x.design), f("reason", x.reason); }
 
 Landmark parse_landmark(const std::string& text) {
   const size_t equals = text.find('=');
@@ -101,31 +126,16 @@ int design(DesignOptions o) {
   bool any = false, coarse = false;
   for (const Design& d : found) {
     if (!d.dropped.empty()) {
-      const std::string p = "/dropped/" + std::to_string(dropped++);
-      r.set(p + "/design", d.name());
-      r.set(p + "/reason", d.dropped);
+      ++dropped;
+      append(r, "/dropped", ResultDropped{d.name(), d.dropped});
       continue;
     }
     any = true, coarse |= !d.fine;
-    const std::string p = "/rows/" + std::to_string(rank++);
-    r.set(p + "/design", d.name());
-    r.set(p + "/procedure", d.plan.procedure);
-    r.set(p + "/turn_deg", d.plan.turn_deg);
-    r.set(p + "/mirrored", d.plan.mirrored);
-    r.set(p + "/pass", d.fine ? "fine" : "first");
-    r.set(p + "/cell_mm", d.cell_mm);
-    r.set(p + "/cost", d.cost);
-    r.set(p + "/first_pass_cost", d.first_cost);
-    r.set(p + "/force_cost", d.force_cost);
-    r.set(p + "/dog_ear_cost", d.ear_cost);
-    r.set(p + "/landmark_cost", d.landmark_cost);
-    r.set(p + "/suture_force_max_N", d.force_N);
-    r.set(p + "/closure_force_N", d.closure_N);
-    r.set(p + "/dog_ear_mm", d.dog_ear_mm);
-    r.set(p + "/landmark_max_mm", d.landmark_mm);
-    r.set(p + "/excised_mm2", d.waste_mm2);
-    r.set(p + "/scar_length_mm", d.scar_mm);
-    r.set(p + "/residual", d.residual);
+    ++rank;
+    append(r, "/rows",
+           ResultDesign{d.name(), d.plan.procedure, d.plan.turn_deg, d.plan.mirrored, d.fine ? "fine" : "first",
+                        d.cell_mm, d.cost, d.first_cost, d.force_cost, d.ear_cost, d.landmark_cost, d.force_N,
+                        d.closure_N, d.dog_ear_mm, d.landmark_mm, d.waste_mm2, d.scar_mm, d.residual});
     const std::string place = d.fine ? std::to_string(rank) : "(" + std::to_string(rank) + ")",
                       cost = d.fine ? short_number(d.cost, 3) : "-";
     table.rows.push_back({place, d.name(), short_number(d.cell_mm), cost, short_number(d.first_cost, 3),

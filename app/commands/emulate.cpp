@@ -11,6 +11,7 @@
 #include "app/program/shipped.h"
 #include "app/result/output.h"
 #include "app/result/progress.h"
+#include "app/result/schema.h"
 #include "devices/emulator.h"
 #include "devices/fastrak/port.h"
 #include "devices/head_surgeon.h"
@@ -101,12 +102,8 @@ int emulate(const EmulateOptions& o) {
   call.common = o.common;
   bool complete = true;
   const int status = run_session(std::move(call), [&](Result& r, Assembly& a) {
-    r.set_empty_list("/problems");
-    int n = 0;
-    for (const std::string& p : *problems) {
-      r.set("/problems/" + std::to_string(n++), p);
-      say(o.script + ": " + p);
-    }
+    schema::write(r, "/problems", *problems);
+    for (const std::string& p : *problems) say(o.script + ": " + p);
     complete = problems->empty() && a.solver.refused().empty();
   });
   if (status == kDone && !complete) {

@@ -18,9 +18,9 @@
 #include "app/operating_point/cpu_clock.h"
 #include "app/program/interrupt.h"
 #include "app/report/report_names.h"
+#include "app/result/metrics.h"
 #include "app/result/output.h"
 #include "app/result/progress.h"
-#include "app/result/result.h"
 #include "app/result/schema.h"
 #include "app/result/tables.h"
 #include "app/session/workers_pool.h"
@@ -75,33 +75,71 @@ void print(const FitReport& r, double voxel, const char* unit) {
   for (const std::string& n : r.notes) std::printf("note        %s\n", n.c_str());
 }
 
-void fill(Result& result, const FitReport& r) {
-  result.set("/vertices", r.vertices), result.set("/iterations", r.iterations),
-      result.set("/vertex_iterations", r.vertex_iterations);
-  result.set("/found", r.found), result.set("/rms_mm", r.rms_mm), result.set("/p95_mm", r.p95_mm),
-      result.set("/max_mm", r.max_mm);
-  result.set("/reached", r.reached), result.set("/surface_rms_mm", r.surface_rms_mm),
-      result.set("/surface_p95_mm", r.surface_p95_mm);
-  result.set("/on_walls", r.on_walls), result.set("/joined", r.joined), result.set("/cut", r.cut);
-  result.set_empty_list("/openings"), result.set_empty_list("/notes");
-  for (size_t i = 0; i < r.hole.size(); ++i) {
-    const std::string p = "/openings/" + std::to_string(i);
-    result.set(p + "/place", r.hole[i].place), result.set(p + "/around_mm", r.hole[i].around_mm),
-        result.set(p + "/vertices", r.hole[i].vertices);
-    for (int k = 0; k < 3; ++k) result.set(p + "/centre_mm/" + std::to_string(k), r.hole[i].centre_mm[k]);
-  }
-  for (size_t i = 0; i < r.notes.size(); ++i) result.set("/notes/" + std::to_string(i), r.notes[i]);
+/// openings: end contours of the mesh.
+struct ResultOpening {
+  MaybeText place;
+  double around_mm;
+  int64_t vertices;
+  ResultVector centre_mm;
+};
+void fields(ResultOpening& x, auto&& f) {
+  f("place", x.place), f("around_mm", x.around_mm), f("vertices", x.vertices), f("centre_mm", x.centre_mm);
+}
+
+/// A fit to a range scan (scan ... hidden) or to a volume (volume ... smooth_voxels); then what both have. missed: what
+/// was wanted and is not so.
+struct ResultMeshFit {
+  MaybeText scan;
+  MaybeCount points;
+  MaybeText volume, tissue;
+  Maybe iso;
+  MaybeText mesh, start;
+  Maybe seal_mm, mouth_mm, smooth_voxels, edge_mm, voxel_mm, cpu_s;
+  MaybeText unit, warning;
+  Maybe hidden;
+  int64_t vertices = 0, iterations = 0, vertex_iterations = 0;
+  double found = 0, rms_mm = 0, p95_mm = 0, max_mm = 0, reached = 0, surface_rms_mm = 0, surface_p95_mm = 0;
+  int64_t on_walls = 0, joined = 0, cut = 0;
+  std::vector<ResultOpening> openings;
+  std::vector<std::string> notes;
+  MaybeCount end_contours, genus;
+  MaybeList<std::string> missed;
+  MaybeText state_hash, scene_note, reproduce, interrupted;
+};
+void fields(ResultMeshFit& x, auto&& f) {
+  f("scan", x.scan), f("points", x.points), f("volume", x.volume), f("tissue", x.tissue), f("iso", x.iso);
+  f("mesh", x.mesh), f("start", x.start), f("seal_mm", x.seal_mm), f("mouth_mm", x.mouth_mm);
+  f("smooth_voxels", x.smooth_voxels), f("edge_mm", x.edge_mm), f("voxel_mm", x.voxel_mm), f("cpu_s", x.cpu_s);
+  f("unit", x.unit), f("warning", x.warning), f("hidden", x.hidden), f("vertices", x.vertices);
+  f("iterations", x.iterations), f("vertex_iterations", x.vertex_iterations), f("found", x.found);
+  f("rms_mm", x.rms_mm), f("p95_mm", x.p95_mm), f("max_mm", x.max_mm), f("reached", x.reached);
+  f("surface_rms_mm", x.surface_rms_mm), f("surface_p95_mm", x.surface_p95_mm), f("on_walls", x.on_walls);
+  f("joined", x.joined), f("cut", x.cut), f("openings", x.openings), f("notes", x.notes);
+  f("end_contours", x.end_contours), f("genus", x.genus), f("missed", x.missed), f("state_hash", x.state_hash);
+  f("scene_note", x.scene_note), f("reproduce", x.reproduce), f("interrupted", x.interrupted);
+}
+
+ResultMeshFit result_of(const FitReport& r) {
+  ResultMeshFit out;
+  out.vertices = r.vertices, out.iterations = r.iterations, out.vertex_iterations = r.vertex_iterations;
+  out.found = r.found, out.rms_mm = r.rms_mm, out.p95_mm = r.p95_mm, out.max_mm = r.max_mm;
+  out.reached = r.reached, out.surface_rms_mm = r.surface_rms_mm, out.surface_p95_mm = r.surface_p95_mm;
+  out.on_walls = r.on_walls, out.joined = r.joined, out.cut = r.cut;
+  for (const FitHole& h : r.hole) out.openings.push_back({h.place, h.around_mm, h.vertices, vector_of(h.centre_mm)});
+  out.notes = r.notes;
+  return out;
 }
 
 /// What the report says: what was fitted to what, how far they lie apart both ways, what stayed open.
-void tell(Result& result, const FitOptions& o, const FitReport& r, const std::vector<std::string>& notes,
-          const std::string& unit) {
+void tell(Result& result, ResultMeshFit out, const FitOptions& o, const FitReport& r,
+          const std::vector<std::string>& notes, const std::string& unit) {
   const auto mm = [](double v) { return short_number(v, 3); };
   std::string note = "A simplex mesh that began as a " + o.start + " was drawn to " +
                      (o.tissue.empty() ? o.volume : "the " + o.tissue + " of " + o.volume) + ": " +
                      std::to_string(r.vertices) + " vertices.";
   for (const std::string& f : notes) note += " " + f + ".";
-  result.set("/scene_note", note), result.set("/reproduce", this_call());
+  out.scene_note = note, out.reproduce = this_call();
+  write_fields(result, "", out);
   add_table(result, {"Distance",
                      "A vertex counts where it has the surface within two " + unit +
                          "s, a place of the surface where the mesh is as near.",
@@ -282,15 +320,13 @@ int run_scan(const FitOptions& o) {
                              : "--start sphere for a scan that goes round") +
         ", or a scan without noise and layers behind one another");
   Result result("fit", "");
-  result.set("/scan", o.volume), result.set("/points", int64_t(scan.x_mm.size())), result.set("/mesh", o.mesh_file),
-      result.set("/start", o.start), result.set("/cpu_s", cpu_s);
-  result.set("/edge_mm", s.edge_mm), result.set("/voxel_mm", r.voxel_mm), result.set("/unit", o.unit),
-      result.set("/warning", doubt), result.set("/hidden", hidden);
-  fill(result, r);
-  for (size_t i = 0; i < faults.size(); ++i) result.set("/missed/" + std::to_string(i), faults[i]);
-  result.set_hash("/state_hash", simplex::hash(m));
+  ResultMeshFit out = result_of(r);
+  out.scan = o.volume, out.points = scan.x_mm.size(), out.mesh = o.mesh_file, out.start = o.start, out.cpu_s = cpu_s;
+  out.edge_mm = s.edge_mm, out.voxel_mm = r.voxel_mm, out.unit = o.unit, out.warning = doubt, out.hidden = hidden;
+  out.missed = unless_empty(faults);
+  out.state_hash = hex(simplex::hash(m));
   result.set_ok(faults.empty());
-  tell(result, o, r, faults, "spacing");
+  tell(result, out, o, r, faults, "spacing");
   if (!o.report_dir.empty()) draw_fit_pictures(result, o.report_dir, m, view.front, Organ::face);
   leave(result, o, o.report_dir);
   return faults.empty() ? kDone : kGoalMissed;
@@ -354,14 +390,13 @@ int run_fit(const FitOptions& o) {
   const std::vector<std::string> faults = missed(r, p.voxel_mm, "voxel");
   for (const std::string& f : faults) say(o.volume + ": " + f + "; see --iso, --offset, --seal-mm, --edge-mm");
   Result result("fit", "");
-  result.set("/volume", o.volume), result.set("/tissue", o.tissue), result.set("/iso", s.iso),
-      result.set("/mesh", o.mesh_file);
-  result.set("/start", o.start), result.set("/seal_mm", q.seal_mm), result.set("/mouth_mm", p.mouth_mm),
-      result.set("/smooth_voxels", q.sigma_voxels), result.set("/voxel_mm", p.voxel_mm), result.set("/cpu_s", cpu_s);
-  fill(result, r);
-  result.set("/end_contours", c.end_contours), result.set("/genus", c.genus);
-  for (size_t i = 0; i < faults.size(); ++i) result.set("/missed/" + std::to_string(i), faults[i]);
-  result.set_hash("/state_hash", simplex::hash(m));
+  ResultMeshFit out = result_of(r);
+  out.volume = o.volume, out.tissue = o.tissue, out.iso = s.iso, out.mesh = o.mesh_file, out.start = o.start;
+  out.seal_mm = q.seal_mm, out.mouth_mm = p.mouth_mm, out.smooth_voxels = q.sigma_voxels, out.voxel_mm = p.voxel_mm;
+  out.cpu_s = cpu_s;
+  out.end_contours = c.end_contours, out.genus = c.genus;
+  out.missed = unless_empty(faults);
+  out.state_hash = hex(simplex::hash(m));
   result.set_ok(faults.empty());
   const std::string& dir = o.report_dir.empty() ? o.sweep_dir : o.report_dir;
   std::vector<std::string> notes = faults;
@@ -387,11 +422,12 @@ int run_fit(const FitOptions& o) {
       const std::string after = "after " + std::to_string(sweep.trial.size()) + " of " +
                                 std::to_string(FitSweep::kTrials) + " trials of the sweep, which are kept";
       say("interrupted " + after + " in " + o.sweep_dir + "; the mesh is whole, in " + o.mesh_file);
-      notes.push_back("Interrupted " + after + "; the mesh is whole"), result.set("/interrupted", notes.back()),
-          result.set_ok(false);
+      notes.push_back("Interrupted " + after + "; the mesh is whole");
+      out.interrupted = notes.back();
+      result.set_ok(false);
     }
   }
-  tell(result, o, r, notes, "voxel");
+  tell(result, out, o, r, notes, "voxel");
   if (!dir.empty()) draw_fit_pictures(result, dir, m, Vec3(0, -1, 0), s.skull ? Organ::bone : Organ::face);
   leave(result, o, dir);
   return faults.empty() && whole ? kDone : kGoalMissed;

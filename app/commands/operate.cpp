@@ -21,7 +21,7 @@
 #include "app/result/metrics.h"
 #include "app/result/output.h"
 #include "app/result/progress.h"
-#include "app/result/schema.h"
+#include "app/result/session_result.h"
 #include "app/result/tables.h"
 #include "app/session/workers_pool.h"
 #include "sim/base/error.h"
@@ -50,17 +50,23 @@ struct Row {
 void fill_convergence(Result& r, const std::vector<Row>& rows) {
   for (size_t i = 0; i < rows.size(); ++i) {
     const Row& x = rows[i];
-    const std::string p = "/convergence/" + std::to_string(i);
-    append(r, "/convergence",
-           ResultConvergence{x.cell_mm, x.key.closure_force_N, x.key.suture_gap_max_mm, x.key.suture_force_max_N,
-                             x.key.dog_ear_mm, x.residual, x.solve_ms, int64_t(x.nodes)});
-    r.set(p + "/fitted_cell_mm", x.fitted_mm);
-    r.set(p + "/distance_mm", x.distance_mm);
-    if (i == 0) continue;
-    const Metrics& y = rows[i - 1].key;  // the coarser one before it
-    r.set(p + "/difference/closure_force_N", x.key.closure_force_N - y.closure_force_N);
-    r.set(p + "/difference/suture_gap_max_mm", x.key.suture_gap_max_mm - y.suture_gap_max_mm);
-    r.set(p + "/difference/dog_ear_mm", x.key.dog_ear_mm - y.dog_ear_mm);
+    ResultConvergence c{x.cell_mm,
+                        x.key.closure_force_N,
+                        x.key.suture_gap_max_mm,
+                        x.key.suture_force_max_N,
+                        x.key.dog_ear_mm,
+                        x.residual,
+                        x.solve_ms,
+                        x.nodes,
+                        x.fitted_mm,
+                        x.distance_mm,
+                        {}};
+    if (i > 0) {
+      const Metrics& y = rows[i - 1].key;  // the coarser one before it
+      c.difference = {x.key.closure_force_N - y.closure_force_N, x.key.suture_gap_max_mm - y.suture_gap_max_mm,
+                      x.key.dog_ear_mm - y.dog_ear_mm};
+    }
+    append(r, "/convergence", c);
   }
   std::vector<SizedFigures> runs;
   for (const Row& x : rows) runs.push_back({x.fitted_mm, x.key, x.distance_mm});
@@ -79,31 +85,21 @@ void fill_operation(Result& r, const World& world, const Scene& scene, const Ope
   const FemModel& m = world.solver().model();
   size_t free_nodes = 0;
   for (const uint8_t f : m.fixed) free_nodes += f == 0;
-  r.set("/scene_title", scene.name);
-  r.set("/scene_note", scene.note);
-  r.set("/lattice/cell_mm", world.spec().cell_mm);
-  r.set("/lattice/nodes", uint64_t(m.X_mm.size()));
-  r.set("/lattice/cells", uint64_t(o.cells));
-  r.set("/lattice/cell_copies", uint64_t(m.cells.size()));
-  r.set("/lattice/dofs", uint64_t(3 * free_nodes));
-  r.set("/solve_ms", o.solve_ms);
-  r.set("/residual", o.last.residual);
-  r.set("/distance_mm", o.last.distance_mm);
-  r.set_hash("/state_hash", world.state_hash());
-  r.set_hash("/topology_hash", world.topology_hash());
-  r.set("/memory_mb", peak_memory_mb());
+  ResultRun run;
+  run.scene_title = scene.name, run.scene_note = scene.note;
+  run.lattice = {world.spec().cell_mm, m.X_mm.size(), o.cells, m.cells.size(), 3 * free_nodes};
+  run.solve_ms = o.solve_ms, run.residual = o.last.residual, run.distance_mm = o.last.distance_mm;
+  run.state_hash = hex(world.state_hash()), run.topology_hash = hex(world.topology_hash());
+  run.memory_mb = peak_memory_mb();
+  write_fields(r, "", run);
   fill_metrics(r, metrics);
-  for (const StageRow& s : o.stages)
-    append(r, "/stages",
-           ResultStage{s.name,
-                       report_names::stage_picture(s.number, s.name),
-                       {},
-                       {},
-                       double(s.shown.residual),
-                       int64_t(s.shown.sutures.size()),
-                       {}});
-  r.set("/series/residual", std::span<const float>(o.series.residual));
-  r.set("/series/distance_mm", std::span<const float>(o.series.distance_mm));
+  ResultStory story;
+  std::vector<ResultStage> stages;
+  for (const StageRow& s : o.stages) stages.push_back(stage_of(s)), stages.back().sutures = s.shown.sutures.size();
+  story.stages = unless_empty(std::move(stages));
+  story.series.residual.emplace(o.series.residual.begin(), o.series.residual.end());
+  story.series.distance_mm.emplace(o.series.distance_mm.begin(), o.series.distance_mm.end());
+  write_fields(r, "", story);
 }
 
 /// Closure force after each action, as a chart and as `closure`.
@@ -125,16 +121,22 @@ LineChart closure_chart(const std::vector<std::pair<std::string, const std::vect
   return c;
 }
 
+/// closure: the stitches after an act.
+struct ResultClosure {
+  int64_t line;
+  MaybeText action;
+  int64_t stitches;
+  double sum_N, max_N;
+  int64_t max_id;
+};
+void fields(ResultClosure& x, auto&& f) {
+  f("line", x.line), f("action", x.action), f("stitches", x.stitches), f("sum_N", x.sum_N), f("max_N", x.max_N);
+  f("max_id", x.max_id);
+}
+
 void fill_closure(Result& r, const std::vector<ClosureForce>& closure) {
-  for (size_t i = 0; i < closure.size(); ++i) {
-    const std::string p = "/closure/" + std::to_string(i);
-    r.set(p + "/line", closure[i].line);
-    r.set(p + "/action", closure[i].action);
-    r.set(p + "/stitches", closure[i].stitches);
-    r.set(p + "/sum_N", closure[i].sum_N);
-    r.set(p + "/max_N", closure[i].max_N);
-    r.set(p + "/max_id", closure[i].max_id);
-  }
+  for (const ClosureForce& c : closure)
+    append(r, "/closure", ResultClosure{c.line, c.action, c.stitches, c.sum_N, c.max_N, c.max_id});
   if (!closure.empty()) add_chart(r, "Closure force over the operation", closure_chart({{"", &closure}}));
 }
 
@@ -144,6 +146,18 @@ struct OrderRow {
   std::vector<ClosureForce> closure;
   double peak_N = 0, peak_sum_N = 0, end_N = 0, end_max_N = 0, energy_uJ = 0, apart_mm = 0, residual = 0;
 };
+
+/// orders
+struct ResultOrder {
+  MaybeText order;
+  double suture_force_peak_N, closure_force_peak_N, suture_force_max_N, closure_force_N, energy_uJ, apart_mm, residual;
+};
+void fields(ResultOrder& x, auto&& f) {
+  f("order", x.order), f("suture_force_peak_N", x.suture_force_peak_N);
+  f("closure_force_peak_N", x.closure_force_peak_N), f("suture_force_max_N", x.suture_force_max_N);
+  f("closure_force_N", x.closure_force_N), f("energy_uJ", x.energy_uJ), f("apart_mm", x.apart_mm);
+  f("residual", x.residual);
+}
 
 /// The same wound closed in several orders.
 int compare_orders(const OperateOptions& opt, const Scene& scene, const Script& script,
@@ -183,7 +197,9 @@ int compare_orders(const OperateOptions& opt, const Scene& scene, const Script& 
     rows.push_back(std::move(r));
   }
   Result result("operate", scene.name);
-  result.set("/scene_title", scene.name);
+  ResultRun run;
+  run.scene_title = scene.name;
+  write_fields(result, "", run);
   ResultTable table;
   table.title = "Orders of closure";
   table.about =
@@ -205,20 +221,13 @@ int compare_orders(const OperateOptions& opt, const Scene& scene, const Script& 
                 r.end_N, 1e-3 * r.energy_uJ, r.apart_mm);
     table.rows.push_back({r.name, short_number(r.peak_N), short_number(r.peak_sum_N), short_number(r.end_max_N),
                           short_number(r.end_N), short_number(1e-3 * r.energy_uJ), short_number(r.apart_mm, 3)});
-    const std::string p = "/orders/" + std::to_string(i);
-    result.set(p + "/order", r.name);
-    result.set(p + "/suture_force_peak_N", r.peak_N);
-    result.set(p + "/closure_force_peak_N", r.peak_sum_N);
-    result.set(p + "/suture_force_max_N", r.end_max_N);
-    result.set(p + "/closure_force_N", r.end_N);
-    result.set(p + "/energy_uJ", r.energy_uJ);
-    result.set(p + "/apart_mm", r.apart_mm);
-    result.set(p + "/residual", r.residual);
+    append(result, "/orders",
+           ResultOrder{r.name, r.peak_N, r.peak_sum_N, r.end_max_N, r.end_N, r.energy_uJ, r.apart_mm, r.residual});
     runs.emplace_back(r.name, &rows[i].closure);
   }
   add_chart(result, "Closure force over the operation", closure_chart(runs));
   add_table(result, table);
-  result.set("/reproduce", this_call());
+  write_fields(result, "", made_by(this_call()));
   result.set_ok(at_rest);
   leave_result(result, opt.common);
   return at_rest ? kDone : kGoalMissed;
@@ -365,9 +374,9 @@ int run_operate(const OperateOptions& opt) {
     }
   }
   if (rows.size() > 1) fill_convergence(result, rows);
-  int n = 0;
-  for (const ScriptLine& l : script.lines) result.set("/script/" + std::to_string(n++), to_json_line(l.command));
-  result.set("/reproduce", this_call());
+  ResultStory story = made_by(this_call());
+  story.script = script_of(actions);
+  write_fields(result, "", story);
   result.set_ok(at_rest);
   leave_result(result, opt.common);
   if (!at_rest) say("the patient did not come to rest: relative residual above 1e-4");

@@ -9,10 +9,9 @@
 #include "app/head/report.h"
 #include "app/pictures/pictures.h"
 #include "app/program/interrupt.h"
-#include "app/report/report_names.h"
 #include "app/result/metrics.h"
 #include "app/result/progress.h"
-#include "app/result/schema.h"
+#include "app/result/session_result.h"
 #include "app/session/clock.h"
 #include "app/session/workers_pool.h"
 
@@ -48,23 +47,20 @@ int operate_head(const Scene& scene, const Script& script, const CommonOptions& 
   std::printf("solve       %.0f ms, residual %.1e\nstate_hash  %s\n", o.solve_ms, o.last.residual,
               hex(patient.state_hash()).c_str());
   Result r("operate", scene.name);
-  r.set("/scene_title", scene.name);
-  r.set("/scene_note", scene.note);
-  r.set("/solve_ms", o.solve_ms);
-  r.set("/residual", o.last.residual);
-  r.set_hash("/state_hash", patient.state_hash());
-  r.set_hash("/topology_hash", patient.topology_hash());
-  r.set("/memory_mb", peak_memory_mb());
+  ResultRun run;
+  run.scene_title = scene.name, run.scene_note = scene.note;
+  run.solve_ms = o.solve_ms, run.residual = o.last.residual;
+  run.state_hash = hex(patient.state_hash()), run.topology_hash = hex(patient.topology_hash());
+  run.memory_mb = peak_memory_mb();
+  write_fields(r, "", run);
   std::vector<Command> actions;
-  int n = 0;
-  for (const ScriptLine& l : script.lines)
-    actions.push_back(l.command), r.set("/script/" + std::to_string(n++), to_json_line(l.command));
+  for (const ScriptLine& l : script.lines) actions.push_back(l.command);
+  ResultStory story;
+  story.script = script_of(actions);
+  write_fields(r, "", story);
   fill_head(r, head);
   if (world->skin()) fill_metrics(r, measure_world(*world, actions));
-  for (const StageRow& s : o.stages)
-    append(
-        r, "/stages",
-        ResultStage{s.name, report_names::stage_picture(s.number, s.name), {}, {}, double(s.shown.residual), {}, {}});
+  for (const StageRow& s : o.stages) append(r, "/stages", stage_of(s));
   const bool at_rest = o.last.residual <= 1e-4;
   r.set_ok(at_rest);
   if (!common.out_dir.empty()) {
@@ -73,7 +69,7 @@ int operate_head(const Scene& scene, const Script& script, const CommonOptions& 
     draw_head_pictures(common.out_dir, o.stages, first, last, scene_camera(scene), head);
     leave_head_figures(r, head, common.out_dir, last, scene_camera(scene), workers);
   }
-  r.set("/reproduce", this_call());
+  write_fields(r, "", made_by(this_call()));
   leave_result(r, common);
   if (!at_rest) say("the patient did not come to rest: the face still moves");
   return at_rest ? kDone : kGoalMissed;

@@ -17,6 +17,7 @@
 #include "app/report/report_names.h"
 #include "app/result/output.h"
 #include "app/result/progress.h"
+#include "app/result/run_result.h"
 #include "app/session/as_recorded.h"
 #include "app/session/clock.h"
 #include "app/session/lockstep.h"
@@ -60,6 +61,25 @@ std::unique_ptr<Recorder> open_recorder(const SessionCall& call, Assembly& a) {
                                     call.replace_record || is_special(call.record_file));
 }
 
+/// checkpoints: hashes of the recorded run that were met again.
+struct ResultCheckpoints {
+  int64_t compared, equal;
+  Maybe first_difference_s;
+};
+void fields(ResultCheckpoints& x, auto&& f) {
+  f("compared", x.compared), f("equal", x.equal), f("first_difference_s", x.first_difference_s);
+}
+
+/// failure: of a lane, and with it of the session. recording: what is kept of it.
+struct ResultFailure {
+  MaybeText where, what;
+  double at_s;
+  std::string recording;
+};
+void fields(ResultFailure& x, auto&& f) {
+  f("where", x.where), f("what", x.what), f("at_s", x.at_s), f("recording", x.recording);
+}
+
 void compare_checkpoints(Result& r, const SessionCall& call, const SessionFigures& f) {
   int64_t compared = f.hashes_compared, equal = f.hashes_equal, first_difference = f.first_difference_tick;
   for (const Checkpoint& want : call.expected)
@@ -73,25 +93,20 @@ void compare_checkpoints(Result& r, const SessionCall& call, const SessionFigure
         break;
       }
   if (compared == 0) return;
-  r.set("/checkpoints/compared", compared);
-  r.set("/checkpoints/equal", equal);
-  if (first_difference >= 0) {
-    r.set("/checkpoints/first_difference_s", double(first_difference) * 1e-3);
+  ResultCheckpoints c{compared, equal, {}};
+  if (first_difference >= 0) c.first_difference_s = double(first_difference) * 1e-3;
+  write_fields(r, "/checkpoints", c);
+  if (first_difference >= 0)
     say("this run differs from the recorded one from second " + std::to_string(first_difference / 1000) +
         " on (another version, another instruction set, or a damaged recording)");
-  }
 }
 
 /// What each live device sent; of one that sent nothing also why, where it says so.
 void tell_devices(Result& r, const std::vector<std::string>& names, const std::vector<const Source*>& devices) {
   for (size_t i = 0; i < devices.size(); ++i) {
     const SourceCounts c = devices[i]->counts();
-    const std::string health = devices[i]->health(), p = "/device/sources/" + std::to_string(i);
-    r.set(p + "/device", names[i]);
-    r.set(p + "/samples", c.samples);
-    r.set(p + "/samples_malformed", c.malformed);
-    r.set(p + "/samples_lost", c.lost);
-    r.set(p + "/health", health);
+    const std::string health = devices[i]->health();
+    append(r, "/device/sources", ResultSource{names[i], c.samples, c.malformed, c.lost, health});
     if (c.samples == 0) say("--device " + names[i] + " sent nothing" + (health.empty() ? "" : ": " + health));
   }
 }
@@ -186,10 +201,7 @@ std::string keep_after_failure(const std::optional<AsideRecording>& aside, Recor
   if (f.ticks > 0) {
     say(fmt::format("the session ended after {:.1f} s, in its {}", f.duration_s, failure.what()));
     Result result(call.command, a.scene.name);
-    result.set("/failure/where", failure.where);
-    result.set("/failure/what", words_of(failure.cause));
-    result.set("/failure/at_s", f.duration_s);
-    if (!recording.empty()) result.set("/failure/recording", recording);
+    write_fields(result, "/failure", ResultFailure{failure.where, words_of(failure.cause), f.duration_s, recording});
     try {
       fill_session(result, a, f, call.real_time, call.lesson ? &*call.lesson : nullptr);
     } catch (const std::exception& e) {
@@ -325,22 +337,21 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   if (call.point) fill_operating_point(result, *call.point);
   fill_damage(result, call.damage);
   if (!call.real_time) compare_checkpoints(result, call, f);
-  if (!call.reproduce.empty()) result.set("/reproduce", call.reproduce);
+  const bool recording_failed = recorder && recorder->failed();
+  ResultStory story = made_by(call.reproduce);
+  story.repro = unless_empty(a.repro.files());
+  if (recording_failed) story.recording_error = recorder->error();
+  write_fields(result, "", story);
   for (const Refusal& r : a.solver.refused()) {
     const std::string t = fmt::format("{:.2f} s: ", r.t_s);
     say(std::string(t) + r.command + " refused: " + r.reason);
   }
-  int repro = 0;
-  for (const std::string& file : a.repro.files()) {
-    result.set("/repro/" + std::to_string(repro++), file);
+  for (const std::string& file : a.repro.files())
     say("a refused cut can be tried again: limberg operate " + a.scene.name + " " + file);
-  }
   if (!a.repro.error().empty()) say(a.repro.error());
   if (!a.script_error.empty()) say("the session's script is cut short: " + a.script_error);
   tell_devices(result, call.live_names, devices);
   if (after) after(result, a);
-  const bool recording_failed = recorder && recorder->failed();
-  if (recording_failed) result.set("/recording_error", recorder->error());
   const bool at_rest = f.interrupted || f.closed || a.solver.at_rest(1e-4);
   result.set_ok(at_rest && !recording_failed);
 

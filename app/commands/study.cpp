@@ -20,6 +20,7 @@
 #include "app/program/temporary_folder.h"
 #include "app/result/output.h"
 #include "app/result/progress.h"
+#include "app/result/run_result.h"
 #include "app/session/workers_pool.h"
 #include "app/study/member_file.h"
 #include "app/study/processes.h"
@@ -219,7 +220,7 @@ int finish(const StudyOptions& o, const std::vector<Gathered>& parts, const std:
   if (!o.common.out_dir.empty())
     study::leave_files(parts, o.common.out_dir), study::leave_pictures(parts[0], pictures, o.common.out_dir);
   Result result = study::result_of(parts, bars);
-  result.set("/reproduce", this_call());
+  write_fields(result, "", made_by(this_call()));
   leave_result(result, o.common);
   bool ok = true;
   std::printf("\n%-76s %10s %10s\n", o.check ? "check" : "bar", "value", "bar");

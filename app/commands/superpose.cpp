@@ -11,9 +11,10 @@
 #include "app/commands/commands.h"
 #include "app/commands/numbers.h"
 #include "app/commands/session_command.h"
+#include "app/result/metrics.h"
 #include "app/result/output.h"
 #include "app/result/progress.h"
-#include "app/result/result.h"
+#include "app/result/schema.h"
 #include "app/result/tables.h"
 #include "app/session/workers_pool.h"
 #include "sim/base/error.h"
@@ -49,10 +50,61 @@ void read_landmarks(const std::string& file, std::vector<Vec3>& a, std::vector<V
   }
 }
 
-void put(Result& r, const std::string& at, const Similarity& s) {
+/// mirror: the plane.
+struct ResultMirror {
+  ResultVector normal, point_mm;
+};
+void fields(ResultMirror& x, auto&& f) { f("normal", x.normal), f("point_mm", x.point_mm); }
+
+/// asymmetry, and distance: mean_mm is of the second alone.
+struct ResultDistance {
+  Maybe mean_mm;
+  double mean_abs_mm, rms_mm, p95_mm, max_mm;
+};
+void fields(ResultDistance& x, auto&& f) {
+  f("mean_mm", x.mean_mm), f("mean_abs_mm", x.mean_abs_mm), f("rms_mm", x.rms_mm), f("p95_mm", x.p95_mm);
+  f("max_mm", x.max_mm);
+}
+ResultDistance distance_of(const DistanceMap& d) { return {d.mean_mm, d.mean_abs_mm, d.rms_mm, d.p95_mm, d.max_mm}; }
+
+struct ResultLandmarks {
+  MaybeCount pairs;
+  Maybe rms_mm, max_mm;
+};
+void fields(ResultLandmarks& x, auto&& f) { f("pairs", x.pairs), f("rms_mm", x.rms_mm), f("max_mm", x.max_mm); }
+
+/// icp: iterated closest points. still: came to rest.
+struct ResultIcp {
+  Maybe rms_mm;
+  MaybeCount iterations;
+  MaybeFlag still;
+};
+void fields(ResultIcp& x, auto&& f) { f("rms_mm", x.rms_mm), f("iterations", x.iterations), f("still", x.still); }
+
+/// a_to_b: three rows of a matrix, turned and scaled, then shifted (mm). information: of two images about each other.
+/// reason: why they could not be laid upon each other.
+struct ResultSuperposition {
+  MaybeText a, b;
+  std::optional<ResultMirror> mirror;
+  std::optional<ResultDistance> asymmetry;
+  ResultLandmarks landmarks;
+  ResultIcp icp;
+  std::optional<std::array<std::array<double, 4>, 3>> a_to_b;
+  std::optional<ResultDistance> distance;
+  Maybe information, information_at_start, overlap;
+  std::string reason;
+};
+void fields(ResultSuperposition& x, auto&& f) {
+  f("a", x.a), f("b", x.b), f("mirror", x.mirror), f("asymmetry", x.asymmetry), f("landmarks", x.landmarks);
+  f("icp", x.icp), f("a_to_b", x.a_to_b), f("distance", x.distance), f("information", x.information);
+  f("information_at_start", x.information_at_start), f("overlap", x.overlap), f("reason", x.reason);
+}
+
+std::array<std::array<double, 4>, 3> matrix_of(const Similarity& s) {
+  std::array<std::array<double, 4>, 3> m;
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 4; ++j)
-      r.set(at + "/" + std::to_string(i) + "/" + std::to_string(j), j < 3 ? s.scale * s.R(i, j) : s.t_mm[i]);
+    for (int j = 0; j < 4; ++j) m[size_t(i)][size_t(j)] = j < 3 ? s.scale * s.R(i, j) : s.t_mm[i];
+  return m;
 }
 
 void print(const Similarity& s) {
@@ -105,8 +157,10 @@ void write_map(const std::string& dir, const Surface& s, const Similarity& map, 
   write_whole_file(dir + "/distance.ply", ply);
 }
 
-int finish(const SuperposeOptions& o, Result& result, const std::string& reason) {
-  if (!reason.empty()) say(o.a + ": " + reason), result.set("/reason", reason);
+int finish(const SuperposeOptions& o, Result& result, ResultSuperposition& found, const std::string& reason) {
+  if (!reason.empty()) say(o.a + ": " + reason);
+  found.reason = reason;
+  write_fields(result, "", found);
   result.set_ok(reason.empty());
   leave_result(result, o.common);
   return reason.empty() ? kDone : kGoalMissed;
@@ -120,7 +174,8 @@ Surface shape_from(const std::string& file) {
 }
 
 /// A second image upon the first.
-int images(const SuperposeOptions& o, Result& result, Workers& workers, Progress& progress) {
+int images(const SuperposeOptions& o, Result& result, ResultSuperposition& found, Workers& workers,
+           Progress& progress) {
   if (o.mirror) throw InputError("", 0, "--mirror is for surfaces");
   const Volume a = load_volume(o.a, o.series_a), b = load_volume(o.b, o.series_b);
   RegistrationSettings s;
@@ -139,16 +194,15 @@ int images(const SuperposeOptions& o, Result& result, Workers& workers, Progress
       "information %.4f (1: nothing, 2: everything), %.4f at the start; %.0f %% of the samples in both, %d "
       "evaluations\n",
       r.information, r.at_start, 100 * r.overlap, r.evaluations);
-  put(result, "/a_to_b", r.map);
+  found.a_to_b = matrix_of(r.map);
   tell_superposition(result, r.map);
-  result.set("/information", r.information), result.set("/information_at_start", r.at_start),
-      result.set("/overlap", r.overlap);
+  found.information = r.information, found.information_at_start = r.at_start, found.overlap = r.overlap;
   if (!o.common.out_dir.empty()) {
     float least = a.value.front();
     for (const float x : a.value) least = std::min(least, x);
     write_whole_file(o.common.out_dir + "/registered.nrrd", to_nrrd(resampled(b, a, r.map, least, workers)));
   }
-  return finish(o, result, r.reason);
+  return finish(o, result, found, r.reason);
 }
 
 int run_superpose(const SuperposeOptions& o) {
@@ -159,11 +213,12 @@ int run_superpose(const SuperposeOptions& o) {
   WorkersPool workers(o.common.worker_count());
   Progress progress("superpose");
   Result result("superpose", "");
-  result.set("/a", o.a), result.set("/b", o.b);
+  ResultSuperposition found;
+  found.a = o.a, found.b = o.b;
   if (!is_surface_name(o.a) && (o.b.empty() || !is_surface_name(o.b))) {
     if (o.b.empty())
       throw InputError("", 0, "superpose: two images, or surfaces (.obj, .ply, .stl, .xyz, .simplex), were expected");
-    return images(o, result, workers, progress);
+    return images(o, result, found, workers, progress);
   }
   const auto read = o.landmarks_only && !o.mirror ? load_surface : shape_from;
   const Surface a = read(o.a);
@@ -173,12 +228,10 @@ int run_superpose(const SuperposeOptions& o) {
     progress.note("looking for the mirror plane");
     const MirrorPlane m = mirror_plane(a, Vec3::UnitX(), s, workers);
     progress.clear();
-    if (!m) return finish(o, result, m.reason);
+    if (!m) return finish(o, result, found, m.reason);
     std::printf("mirror      normal (%.4f, %.4f, %.4f) through (%.2f, %.2f, %.2f) mm, rms of the kept pairs %.3f mm\n",
                 m.normal.x(), m.normal.y(), m.normal.z(), m.point_mm.x(), m.point_mm.y(), m.point_mm.z(), m.rms_mm);
-    for (int k = 0; k < 3; ++k)
-      result.set("/mirror/normal/" + std::to_string(k), m.normal[k]),
-          result.set("/mirror/point_mm/" + std::to_string(k), m.point_mm[k]);
+    found.mirror = ResultMirror{vector_of(m.normal), vector_of(m.point_mm)};
     // Asymmetry: the surface against its own reflection in the plane.
     Similarity flip;
     flip.R = Mat3::Identity() - 2 * m.normal * m.normal.transpose(),
@@ -189,13 +242,13 @@ int run_superpose(const SuperposeOptions& o) {
     const DistanceMap d = distance_map(a, {}, SurfaceTarget(other), workers);
     std::printf("asymmetry   mean %.3f mm, rms %.3f mm, 95 %% within %.3f mm, at most %.3f mm\n", d.mean_abs_mm,
                 d.rms_mm, d.p95_mm, d.max_mm);
-    result.set("/asymmetry/mean_abs_mm", d.mean_abs_mm), result.set("/asymmetry/rms_mm", d.rms_mm),
-        result.set("/asymmetry/p95_mm", d.p95_mm), result.set("/asymmetry/max_mm", d.max_mm);
+    found.asymmetry = distance_of(d);
+    found.asymmetry->mean_mm.reset();  // of a surface and its mirror image it is nothing
     tell_superposition(
         result, "Left and right",
         "Distance of the surface from its own mirror image. The plane is the one in which they differ least.", d);
     if (!o.common.out_dir.empty()) write_map(o.common.out_dir, a, {}, d);
-    if (o.b.empty()) return finish(o, result, {});
+    if (o.b.empty()) return finish(o, result, found, {});
   }
   if (o.b.empty()) throw InputError("", 0, "superpose " + o.a + ": a second surface, or --mirror, was expected");
   const Surface b = read(o.b);
@@ -207,8 +260,7 @@ int run_superpose(const SuperposeOptions& o) {
     const LandmarkFit f = fit_landmarks(from, to, o.scale);
     if (!f) throw InputError(o.landmarks, 0, f.reason);
     std::printf("landmarks   %zu pairs, rms %.3f mm, at most %.3f mm\n", from.size(), f.rms_mm, f.max_mm);
-    result.set("/landmarks/pairs", int64_t(from.size())), result.set("/landmarks/rms_mm", f.rms_mm),
-        result.set("/landmarks/max_mm", f.max_mm);
+    found.landmarks = {from.size(), f.rms_mm, f.max_mm};
     start = f.map;
   }
   Similarity map = start;
@@ -217,26 +269,24 @@ int run_superpose(const SuperposeOptions& o) {
     const IcpResult r =
         o.landmarks.empty() ? icp_from_anywhere(a, target, b, s, workers) : icp(a, target, start, s, workers);
     progress.clear();
-    if (!r) return finish(o, result, r.reason);
+    if (!r) return finish(o, result, found, r.reason);
     std::printf("pairs       %.0f %% kept, rms %.4f mm along the normals, %d iterations%s\n", 100 * s.keep, r.rms_mm,
                 r.iterations, r.still ? "" : ", not at rest");
-    result.set("/icp/rms_mm", r.rms_mm), result.set("/icp/iterations", r.iterations), result.set("/icp/still", r.still);
+    found.icp = {r.rms_mm, r.iterations, r.still};
     map = r.map;
   }
   print(map);
-  put(result, "/a_to_b", map);
+  found.a_to_b = matrix_of(map);
   const DistanceMap d = distance_map(a, map, target, workers);
   std::printf("distance    mean %+.3f mm, mean size %.3f mm, rms %.3f mm, 95 %% within %.3f mm, at most %.3f mm\n",
               d.mean_mm, d.mean_abs_mm, d.rms_mm, d.p95_mm, d.max_mm);
-  result.set("/distance/mean_mm", d.mean_mm), result.set("/distance/mean_abs_mm", d.mean_abs_mm),
-      result.set("/distance/rms_mm", d.rms_mm), result.set("/distance/p95_mm", d.p95_mm),
-      result.set("/distance/max_mm", d.max_mm);
+  found.distance = distance_of(d);
   tell_superposition(result, map);
   tell_superposition(
       result, "What differs",
       "Distance of the first surface, as it was laid, from the second; distance.ply shows it in colours.", d);
   if (!o.common.out_dir.empty()) write_map(o.common.out_dir, a, map, d);
-  return finish(o, result, {});
+  return finish(o, result, found, {});
 }
 
 }  // namespace

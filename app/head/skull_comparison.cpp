@@ -219,6 +219,25 @@ class SkullPictures {
   uint64_t version_ = 0;
 };
 
+/// skull: beside another, at the end.
+struct ResultSkull {
+  MaybeText with;
+  double fit_rms_mm, before_rms_mm, after_rms_mm, before_mean_mm, after_mean_mm;
+};
+void fields(ResultSkull& x, auto&& f) {
+  f("with", x.with), f("fit_rms_mm", x.fit_rms_mm), f("before_rms_mm", x.before_rms_mm);
+  f("after_rms_mm", x.after_rms_mm), f("before_mean_mm", x.before_mean_mm), f("after_mean_mm", x.after_mean_mm);
+}
+
+/// skull_moments: beside another, when it was asked for.
+struct ResultSkullMoment {
+  MaybeText name, with;
+  double mean_mm, rms_mm, p95_mm;
+};
+void fields(ResultSkullMoment& x, auto&& f) {
+  f("name", x.name), f("with", x.with), f("mean_mm", x.mean_mm), f("rms_mm", x.rms_mm), f("p95_mm", x.p95_mm);
+}
+
 /// The largest 95th percentile of any fragment: what stands out is on some fragment.
 double largest_p95(const std::vector<double>& d, const std::vector<int32_t>& fragment) {
   double most = 0;
@@ -240,19 +259,15 @@ void report_end(Result& r, const Head& head, const SkullFit (&fits)[2], const st
   const char* const files[] = {"skull-normal", "skull-mirror"};
   std::vector<int32_t> fragment;
   const Surface rest = bone_surface(head, true, &fragment), now = bone_surface(head, false);
-  int n = 0;
   for (const SkullFit& fit : fits) {
     const SkullComparison c = measure_on(fit, rest, now, fragment, w);
     if (!c) continue;
-    const std::string p = "/skull/" + std::to_string(n++), file = files[&fit - fits];
-    r.set(p + "/with", c.with), r.set(p + "/fit_rms_mm", c.fit_rms_mm);
+    const std::string file = files[&fit - fits];
     const auto row = [&](const std::string& part, int32_t id) {
       const Spread a = spread(c.before.signed_mm, c.fragment, id), b = spread(c.after.signed_mm, c.fragment, id);
       t.rows.push_back({c.with, part, short_number(a.mean, 3), short_number(b.mean, 3), short_number(a.rms, 3),
                         short_number(b.rms, 3), short_number(a.p95, 3), short_number(b.p95, 3)});
-      if (id >= 0) return;
-      r.set(p + "/before_rms_mm", a.rms), r.set(p + "/after_rms_mm", b.rms), r.set(p + "/before_mean_mm", a.mean),
-          r.set(p + "/after_mean_mm", b.mean);
+      if (id < 0) append(r, "/skull", ResultSkull{c.with, c.fit_rms_mm, a.rms, b.rms, a.mean, b.mean});
     };
     row("all", -1);
     for (const bone::Fragment& f : head.bones().fragments()) row(f.name, f.id);
@@ -286,13 +301,11 @@ void report_moments(Result& r, const Head& head, const SkullFit (&fits)[2], cons
     const SkullComparison c =
         measure_on(fits[m.on == SkullBeside::mirror], rest, surface_of(placed, nullptr), std::move(fragment), w);
     if (!c) continue;
-    const std::string p = "/skull_moments/" + std::to_string(n), file = "skull-moment-" + std::to_string(++n);
+    const std::string file = "skull-moment-" + std::to_string(++n);
     const auto row = [&](const std::string& part, int32_t id) {
       const Spread a = spread(c.after.signed_mm, c.fragment, id);
       t.rows.push_back({m.name, c.with, part, short_number(a.mean, 3), short_number(a.rms, 3), short_number(a.p95, 3)});
-      if (id < 0)
-        r.set(p + "/name", m.name), r.set(p + "/with", c.with), r.set(p + "/mean_mm", a.mean),
-            r.set(p + "/rms_mm", a.rms), r.set(p + "/p95_mm", a.p95);
+      if (id < 0) append(r, "/skull_moments", ResultSkullMoment{m.name, c.with, a.mean, a.rms, a.p95});
     };
     row("all", -1);
     for (const auto& [id, name] : m.names) row(name, id);

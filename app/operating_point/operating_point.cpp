@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "app/result/json_nesting.h"
+#include "app/result/read_result.h"
 #include "calibration/toml.h"
 #include "sim/base/error.h"
 
@@ -18,6 +18,19 @@ template <class T>
 void put(toml::table& root, const char* table, const char* key, T value) {
   root.insert(table, toml::table{});  // unless it is there
   root[table].as_table()->insert_or_assign(key, value);
+}
+
+/// operating_point
+struct ResultOperatingPoint {
+  Maybe cell_mm;
+  MaybeCount iterations;
+  Maybe frame_ms, error_mm, budget_ms;
+  bool fits = false;
+  std::string scene_hash;
+};
+void fields(ResultOperatingPoint& x, auto&& f) {
+  f("cell_mm", x.cell_mm), f("iterations", x.iterations), f("frame_ms", x.frame_ms), f("error_mm", x.error_mm);
+  f("budget_ms", x.budget_ms), f("fits", x.fits), f("scene_hash", x.scene_hash);
 }
 
 }  // namespace
@@ -34,13 +47,9 @@ Scene at_operating_point(const Scene& scene, double cell_mm, int iterations) {
 }
 
 void fill_operating_point(Result& r, const bench::OperatingPoint& p) {
-  r.set("/operating_point/cell_mm", p.cell_mm);
-  r.set("/operating_point/iterations", p.iterations);
-  r.set("/operating_point/frame_ms", p.frame_ms);
-  r.set("/operating_point/error_mm", p.error_mm);
-  r.set("/operating_point/budget_ms", p.budget_ms);
-  r.set("/operating_point/fits", p.fits);
-  r.set_hash("/operating_point/scene_hash", p.scene_hash);
+  write_fields(
+      r, "/operating_point",
+      ResultOperatingPoint{p.cell_mm, p.iterations, p.frame_ms, p.error_mm, p.budget_ms, p.fits, hex(p.scene_hash)});
 }
 
 bench::OperatingPoint read_operating_point(const std::string& file, const Scene& scene) {
@@ -55,19 +64,19 @@ bench::OperatingPoint read_operating_point(const std::string& file, const Scene&
   const nlohmann::json j = nlohmann::json::parse(text.str(), nullptr, false);
   if (!j.is_object() || !j.contains("operating_point") || !j["operating_point"].is_object())
     throw wrong("holds no operating point");
-  const nlohmann::json& o = j["operating_point"];
-  const auto number = [&](const char* name) {
-    if (!o.contains(name) || !o[name].is_number()) throw wrong(std::string("its operating point has no ") + name);
-    return o[name].get<double>();
-  };
-  bench::OperatingPoint p;
-  p.cell_mm = number("cell_mm"), p.frame_ms = number("frame_ms"), p.error_mm = number("error_mm"),
-  p.budget_ms = number("budget_ms");
-  const double its = number("iterations");
-  if (!(p.cell_mm > 0 && p.cell_mm < 1e4) || !(its >= 1 && its <= 1e4))
+  ResultOperatingPoint o;
+  result_json::read(j["operating_point"], o);
+  fields(o, [&](const char* name, const auto& v) {
+    using V = std::decay_t<decltype(v)>;
+    if constexpr (std::is_same_v<V, Maybe> || std::is_same_v<V, MaybeCount>)
+      if (!v) throw wrong(std::string("its operating point has no ") + name);
+  });
+  if (!(*o.cell_mm > 0 && *o.cell_mm < 1e4) || !(*o.iterations >= 1 && *o.iterations <= 10'000))
     throw wrong("its operating point has a cell size or a number of iterations that cannot be");
-  p.iterations = int(its), p.fits = true, p.scene_hash = scene.hash;
-  if (!o.contains("scene_hash") || o["scene_hash"] != hex(scene.hash)) throw wrong("was measured on another scene");
+  if (o.scene_hash != hex(scene.hash)) throw wrong("was measured on another scene");
+  bench::OperatingPoint p;
+  p.cell_mm = *o.cell_mm, p.frame_ms = *o.frame_ms, p.error_mm = *o.error_mm, p.budget_ms = *o.budget_ms;
+  p.iterations = int(*o.iterations), p.fits = true, p.scene_hash = scene.hash;
   return p;
 }
 

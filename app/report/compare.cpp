@@ -2,45 +2,40 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <set>
 
 #include "app/report/html.h"
-#include "app/report/report_data.h"
+#include "app/report/page.h"
 #include "app/report/report_file.h"
 #include "app/report/sections.h"
 #include "sim/base/whole_file.h"
-#include "sim/measure/table.h"
 
 namespace limberg {
 
 namespace {
 
-namespace fs = std::filesystem;
-using html::escape;
+using html::Light;
+using html::Markup;
 using html::number;
 using html::quantity;
-
-struct Side {
-  const ReportData& d;
-  const std::string& dir;
-};
-
-std::string cell(const Maybe& v, int digits = 4) { return "<td>" + quantity(v, "", digits) + "</td>"; }
+using Sides = std::pair<ReportSource, ReportSource>;
 
 std::string signed_number(double v, int digits) { return (v > 0 ? "+" : "") + number(v, digits); }
 
-/// The difference of two figures as two cells: as it is, and in per cent of the first.
-std::string difference(const Maybe& a, const Maybe& b, const std::string& mark = "") {
-  if (!a || !b) return "<td>–</td><td>–</td>";
+/// Both values, their difference, and the difference in per cent of the first.
+void add_pair(html::Row& row, const Maybe& a, const Maybe& b, int digits, Light light = Light::none) {
+  row.push_back(quantity(a, "", digits)), row.push_back(quantity(b, "", digits));
+  if (!a || !b) {
+    row.push_back("–"), row.push_back("–");
+    return;
+  }
   const double by = *b - *a;
-  const std::string per_cent = *a != 0 ? signed_number(100 * by / std::abs(*a), 3) + " %" : "–";
-  return "<td class=\"" + mark + "\">" + (by == 0 ? std::string("same") : signed_number(by, 3)) + "</td><td>" +
-         (by == 0 ? std::string() : per_cent) + "</td>";
+  row.push_back({by == 0 ? "same" : signed_number(by, 3), light});
+  row.push_back(by == 0 ? "" : *a != 0 ? signed_number(100 * by / std::abs(*a), 3) + " %" : "–");
 }
 
 /// Whether the lattices' errors can explain the difference; nothing when neither is known.
-std::optional<bool> explained(const ReportData& a, const ReportData& b, const std::string& name, double by) {
+std::optional<bool> within_errors(const ReportData& a, const ReportData& b, const std::string& name, double by) {
   const auto error = [&](const ReportData& d) -> Maybe {
     const auto e = d.errors.find(name);
     return e == d.errors.end() ? Maybe() : e->second.error;
@@ -50,51 +45,45 @@ std::optional<bool> explained(const ReportData& a, const ReportData& b, const st
   return std::abs(by) <= std::abs(ea.value_or(0)) + std::abs(eb.value_or(0));
 }
 
-std::string heading(const Side& a, const Side& b) {
-  const auto named = [](const Side& s) {
-    return escape(sections::title(s.d)) + " <span class=\"soft\">(" + escape(s.dir) + ")</span>";
-  };
-  std::string s = "<header>\n<h1>Two operations compared</h1>\n<p><b>A</b> " + named(a) + "</p>\n<p><b>B</b> " +
-                  named(b) + "</p>\n</header>\n";
-  std::vector<std::string> says;
-  if (a.d.scene != b.d.scene) says.push_back("Different scenes: " + escape(a.d.scene) + " and " + escape(b.d.scene));
-  if (a.d.version != b.d.version || a.d.commit != b.d.commit)
-    says.push_back("Different versions: " + escape(a.d.version + " " + a.d.commit) + " and " +
-                   escape(b.d.version + " " + b.d.commit));
-  if (!a.d.state_hash.empty() && !b.d.state_hash.empty())
-    says.push_back(a.d.state_hash == b.d.state_hash ? "The same state at the end, to the last bit"
-                                                    : "Different states at the end");
-  if (says.empty()) return s;
-  s += "<div class=\"notice\">";
-  for (const std::string& line : says) s += line + ". ";
-  return s + "</div>\n";
+Markup operations(const ReportSource& a, const ReportSource& b) {
+  const auto named = [](const ReportSource& s) { return title_of(s.d) + " " + html::soft("(" + s.dir + ")"); };
+  return html::paragraph(html::bold("A") + " " + named(a)) + html::paragraph(html::bold("B") + " " + named(b));
+}
+
+Markup differences(const ReportData& a, const ReportData& b) {
+  const auto version = [](const ReportData& d) { return said(d.limberg.version) + " " + said(d.limberg.commit); };
+  std::string says;
+  if (a.scene != b.scene) says += "Different scenes: " + said(a.scene) + " and " + said(b.scene) + ". ";
+  if (version(a) != version(b)) says += "Different versions: " + version(a) + " and " + version(b) + ". ";
+  if (a.state_hash && b.state_hash)
+    says +=
+        a.state_hash == b.state_hash ? "The same state at the end, to the last bit. " : "Different states at the end. ";
+  return says.empty() ? Markup() : html::notice(says);
 }
 
 /// "wound gape, mm", the name in result.json as its title; a figure that the table does not know keeps that name.
-std::string named(const std::string& name) {
+Markup name_of_figure(const std::string& name) {
   const Measure* m = find_measure(name);
-  if (!m) return "<code>" + escape(name) + "</code>";
-  return "<span title=\"" + escape(name + ": " + m->definition) + "\">" + escape(m->words) +
-         (m->unit[0] ? std::string(", ") + m->unit : "") + "</span>";
+  if (!m) return html::code(name);
+  return html::explained(m->words + (m->unit[0] ? std::string(", ") + m->unit : ""), name + ": " + m->definition);
 }
 
-std::string figures(const ReportData& a, const ReportData& b) {
+Markup figures_of(const Sides& sides) {
+  const ReportData &a = sides.first.d, &b = sides.second.d;
   std::set<std::string> names;
   for (const auto& [n, v] : a.metrics) names.insert(n);
   for (const auto& [n, v] : b.metrics) names.insert(n);
-  std::string rows;
+  std::vector<html::Row> rows;
   bool any_error = false;
   for (const std::string& n : names) {
     const Maybe va = a.metric(n), vb = b.metric(n);
-    std::string mark, note;
-    if (va && vb)
-      if (const auto by_lattice = explained(a, b, n, *vb - *va)) {
-        any_error = true;
-        mark = *by_lattice ? "" : "warn";
-        note = *by_lattice ? "within" : "beyond";
-      }
-    rows += "<tr><td>" + named(n) + "</td>" + cell(va, 5) + cell(vb, 5) + difference(va, vb, mark) + "<td>" + note +
-            "</td></tr>\n";
+    std::optional<bool> within;
+    if (va && vb) within = within_errors(a, b, n, *vb - *va);
+    any_error |= within.has_value();
+    html::Row row{name_of_figure(n)};
+    add_pair(row, va, vb, 5, within && !*within ? Light::warn : Light::none);
+    row.push_back(!within ? "" : *within ? "within" : "beyond");
+    rows.push_back(row);
   }
   const std::pair<const char*, Maybe ReportData::*> own[] = {{"duration_s", &ReportData::duration_s},
                                                              {"residual", &ReportData::residual},
@@ -102,108 +91,112 @@ std::string figures(const ReportData& a, const ReportData& b) {
                                                              {"memory_mb", &ReportData::memory_mb},
                                                              {"solve_ms", &ReportData::solve_ms}};
   for (const auto& [name, what] : own)
-    if (a.*what || b.*what)
-      rows += "<tr><td><code>" + std::string(name) + "</code></td>" + cell(a.*what, 5) + cell(b.*what, 5) +
-              difference(a.*what, b.*what) + "<td></td></tr>\n";
+    if (a.*what || b.*what) {
+      html::Row row{html::code(name)};
+      add_pair(row, a.*what, b.*what, 5);
+      row.push_back("");
+      rows.push_back(row);
+    }
   if (rows.empty()) return {};
-  return "<section>\n<h2>Figures</h2>\n<p class=\"note\">" +
-         std::string(any_error ? "Last column: whether the lattices' own errors, added, can explain the difference."
-                               : "Neither result says how large its lattice's error is (<code>operate --cells</code> "
-                                 "does), so nothing is said about which differences matter.") +
-         "</p>\n<div class=\"wide\"><table>\n<thead><tr><th></th><th>A</th><th>B</th><th>B − A</th><th></th><th>" +
-         (any_error ? "lattice error" : "") + "</th></tr></thead>\n<tbody>\n" + rows +
-         "</tbody></table></div>\n</section>\n";
+  const Markup about = any_error
+                           ? "Last column: whether the lattices' own errors, added, can explain the difference."
+                           : "Neither result says how large its lattice's error is (" + html::code("operate --cells") +
+                                 " does), so nothing is said about which differences matter.";
+  return html::section(
+      "Figures", html::note(about) + html::table({"", "A", "B", "B − A", "", any_error ? "lattice error" : ""}, rows));
 }
 
-std::string sutures(const ReportData& a, const ReportData& b) {
+Markup stitches(const Sides& sides) {
+  const ReportData &a = sides.first.d, &b = sides.second.d;
   std::vector<int64_t> ids;
   for (const ReportData* d : {&a, &b})
-    for (const ResultSuture& s : d->sutures)
+    for (const ResultSuture& s : d->sutures())
       if (s.id && std::find(ids.begin(), ids.end(), *s.id) == ids.end()) ids.push_back(*s.id);
   if (ids.empty()) return {};
   const auto find = [](const ReportData& d, int64_t id) {
-    for (const ResultSuture& s : d.sutures)
+    for (const ResultSuture& s : d.sutures())
       if (s.id == id) return s;
     return ResultSuture{};
   };
-  std::string rows;
+  std::vector<html::Row> rows;
   for (const int64_t id : ids) {
     const ResultSuture x = find(a, id), y = find(b, id);
-    rows += "<tr><td>" + std::to_string(id) + "</td>" + cell(x.force_N, 3) + cell(y.force_N, 3) +
-            difference(x.force_N, y.force_N) + cell(x.gap_mm, 3) + cell(y.gap_mm, 3) + "</tr>\n";
+    html::Row row{std::to_string(id)};
+    add_pair(row, x.force_N, y.force_N, 3);
+    row.push_back(quantity(x.gap_mm, "")), row.push_back(quantity(y.gap_mm, ""));
+    rows.push_back(row);
   }
-  return "<section>\n<h2>Stitches</h2>\n<p class=\"note\">By the order of tying: they are the same stitches only where "
-         "the scripts agree.</p>\n<div class=\"wide\"><table>\n"
-         "<thead><tr><th></th><th>force A, N</th><th>force B, N</th><th>B − A</th><th></th><th>gap A, mm</th><th>gap "
-         "B, mm</th></tr></thead>\n<tbody>\n" +
-         rows + "</tbody></table></div>\n</section>\n";
+  return html::section("Stitches",
+                       html::note("By the order of tying: they are the same stitches only where the scripts agree.") +
+                           html::table({"", "force A, N", "force B, N", "B − A", "", "gap A, mm", "gap B, mm"}, rows));
 }
 
-std::string pair_of(const Side& a, const std::string& picture_a, const Side& b, const std::string& picture_b,
-                    const std::string& name) {
-  const auto half = [&](const Side& s, const std::string& picture, const char* letter) {
-    const std::string url = sections::picture_url(s.dir, picture, 960);
-    const std::string caption = "<b>" + std::string(letter) + "</b> " + escape(name);
-    if (url.empty()) return "<figure><figcaption>" + caption + ": no picture</figcaption></figure>\n";
-    return "<figure><img src=\"" + url + "\" alt=\"" + escape(name) + "\"/><figcaption>" + caption +
-           "</figcaption></figure>\n";
+Markup pair_of(const Sides& sides, const std::string& picture_a, const std::string& picture_b,
+               const std::string& name) {
+  const auto half = [&](const ReportSource& s, const std::string& picture, const char* letter) {
+    const std::string url = picture_url(s.dir, picture, 960);
+    return html::figure(url, name, html::bold(letter) + " " + name + (url.empty() ? ": no picture" : ""));
   };
-  return half(a, picture_a, "A") + half(b, picture_b, "B");
+  return half(sides.first, picture_a, "A") + half(sides.second, picture_b, "B");
 }
 
-std::string pictures(const Side& a, const Side& b) {
-  std::string s;
-  std::vector<bool> used(b.d.stages.size(), false);
-  for (const ResultStage& x : a.d.stages) {
+Markup pictures(const Sides& sides) {
+  const ReportData &a = sides.first.d, &b = sides.second.d;
+  Markup m;
+  std::vector<bool> used(b.stages.size(), false);
+  for (const ResultStage& x : a.stages) {
     std::string other;
-    for (size_t i = 0; i < b.d.stages.size() && other.empty(); ++i)
-      if (!used[i] && b.d.stages[i].name == x.name) other = b.d.stages[i].picture, used[i] = true;
-    s += pair_of(a, x.picture, b, other, x.name);
+    for (size_t i = 0; i < b.stages.size() && other.empty(); ++i)
+      if (!used[i] && b.stages[i].name == x.name) other = b.stages[i].picture, used[i] = true;
+    m += pair_of(sides, x.picture, other, x.name);
   }
-  for (size_t i = 0; i < b.d.stages.size(); ++i)
-    if (!used[i]) s += pair_of(a, "", b, b.d.stages[i].picture, b.d.stages[i].name);
-  if (!a.d.tension.empty() || !b.d.tension.empty()) s += pair_of(a, a.d.tension, b, b.d.tension, "tension of the skin");
-  if (s.empty() && (!a.d.overview.empty() || !b.d.overview.empty()))
-    s = pair_of(a, a.d.overview, b, b.d.overview, "at the end");
-  return s.empty() ? s : "<section>\n<h2>Pictures</h2>\n<div class=\"story pairs\">\n" + s + "</div>\n</section>\n";
+  for (size_t i = 0; i < b.stages.size(); ++i)
+    if (!used[i]) m += pair_of(sides, "", b.stages[i].picture, b.stages[i].name);
+  if (!a.pictures.tension.empty() || !b.pictures.tension.empty())
+    m += pair_of(sides, a.pictures.tension, b.pictures.tension, "tension of the skin");
+  if (m.empty() && (!a.pictures.overview.empty() || !b.pictures.overview.empty()))
+    m = pair_of(sides, a.pictures.overview, b.pictures.overview, "at the end");
+  return m.empty() ? m : html::section("Pictures", html::pairs(m));
 }
 
-std::string script(const ReportData& a, const ReportData& b) {
-  if (a.script.empty() && b.script.empty()) return {};
-  if (a.script == b.script)
-    return "<section>\n<h2>Script</h2>\n<p>The same " + std::to_string(a.script.size()) + " lines.</p>\n</section>\n";
-  std::string lines;
-  for (const LineChange& c : line_changes(a.script, b.script)) {
-    const std::string light = c.kind == '-' ? "bad" : c.kind == '+' ? "good" : "";
-    const std::string text = std::string(1, c.kind) + " " + escape(c.line);
-    lines += (light.empty() ? text : "<b class=\"" + light + "\">" + text + "</b>") + "\n";
-  }
-  return "<section>\n<h2>Script</h2>\n<p class=\"note\">− only in A, + only in B.</p>\n<pre>" + lines +
-         "</pre>\n</section>\n";
-}
-
-std::string timing(const ReportData& a, const ReportData& b) {
-  const std::pair<const char*, ResultTimes ReportData::*> lanes[] = {
-      {"Device: wake-up late by, µs", &ReportData::wake_us},   {"Device: work per tick, µs", &ReportData::work_us},
-      {"Solver: one step, ms", &ReportData::step_ms},          {"Render: one frame, ms", &ReportData::frame_ms},
-      {"Sample to snapshot, ms", &ReportData::to_snapshot_ms}, {"Sample to picture, ms", &ReportData::to_frame_ms}};
-  std::string rows;
-  for (const auto& [name, what] : lanes) {
-    const ResultTimes &x = a.*what, &y = b.*what;
-    if (x.any() || y.any())
-      rows += "<tr><td>" + std::string(name) + "</td>" + cell(x.p50, 3) + cell(y.p50, 3) + difference(x.p50, y.p50) +
-              cell(x.p99, 3) + cell(y.p99, 3) + difference(x.p99, y.p99) + "</tr>\n";
+Markup lanes(const Sides& sides) {
+  const std::vector<LaneOfReport> a = lanes_of(sides.first.d), b = lanes_of(sides.second.d);
+  std::vector<html::Row> rows;
+  for (size_t i = 0; i < a.size(); ++i) {
+    const ResultTimes &x = a[i].t, &y = b[i].t;
+    if (!x.any() && !y.any()) continue;
+    html::Row row{std::string(a[i].name) + ", " + a[i].unit};
+    add_pair(row, x.p50, y.p50, 3), add_pair(row, x.p99, y.p99, 3);
+    rows.push_back(row);
   }
   if (rows.empty()) return {};
-  return "<section>\n<h2>Lanes in time</h2>\n<div class=\"wide\"><table>\n<thead><tr><th></th><th>median "
-         "A</th><th>B</th><th>B − A</th><th></th><th>p99 A</th><th>B</th><th>B − "
-         "A</th><th></th></tr></thead>\n<tbody>\n" +
-         rows + "</tbody></table></div>\n</section>\n";
+  return html::section("Lanes in time",
+                       html::table({"", "median A", "B", "B − A", "", "p99 A", "B", "B − A", ""}, rows));
 }
 
-std::string page(const Side& a, const Side& b) {
-  return whole_page("Comparison", heading(a, b) + "<main>\n" + figures(a.d, b.d) + sutures(a.d, b.d) + pictures(a, b) +
-                                      timing(a.d, b.d) + script(a.d, b.d) + "</main>\n" + sections::footer(b.d));
+Markup scripts(const Sides& sides) {
+  const std::vector<std::string>&a = sides.first.d.script, &b = sides.second.d.script;
+  if (a.empty() && b.empty()) return {};
+  if (a == b) return html::section("Script", html::paragraph("The same " + std::to_string(a.size()) + " lines."));
+  Markup text;
+  for (const LineChange& c : line_changes(a, b)) {
+    const std::string line = std::string(1, c.kind) + " " + c.line;
+    text += (c.kind == '-'   ? html::bold(line, Light::bad)
+             : c.kind == '+' ? html::bold(line, Light::good)
+                             : Markup(line)) +
+            "\n";
+  }
+  return html::section("Script", html::note("− only in A, + only in B.") + html::lines(text));
+}
+
+/// The sections of the page, in their order.
+constexpr Markup (*kCompared[])(const Sides&) = {figures_of, stitches, pictures, lanes, scripts};
+
+std::string page_of(const Sides& sides) {
+  Markup all;
+  for (const auto& section : kCompared) all += section(sides);
+  return text_of({"Comparison", "Two operations compared", operations(sides.first, sides.second),
+                  differences(sides.first.d, sides.second.d), all, sections::footer(sides.second)});
 }
 
 }  // namespace
@@ -238,7 +231,7 @@ std::vector<LineChange> line_changes(const std::vector<std::string>& a, const st
 std::string comparison_html(const std::string& json_a, const std::string& dir_a, const std::string& json_b,
                             const std::string& dir_b) {
   const ReportData a = read_report_data(json_a, result_file(dir_a)), b = read_report_data(json_b, result_file(dir_b));
-  return page({a, dir_a}, {b, dir_b});
+  return page_of({{a, dir_a}, {b, dir_b}});
 }
 
 std::string write_comparison(const std::string& dir_a, const std::string& dir_b, const std::string& file) {

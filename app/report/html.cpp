@@ -13,24 +13,6 @@ namespace limberg::html {
 
 namespace {
 
-// Length of the UTF-8 sequence at s[i], 0 when it is broken or a code point that XML forbids.
-size_t sequence(std::string_view s, size_t i) {
-  const auto byte = [&](size_t k) { return k < s.size() ? uint32_t(static_cast<unsigned char>(s[k])) : 0u; };
-  const uint32_t b = byte(i);
-  if (b < 0x80) return b >= 0x20 || b == '\n' || b == '\t' ? 1 : 0;
-  const size_t n = b >= 0xf0 && b < 0xf5 ? 4 : b >= 0xe0 && b < 0xf0 ? 3 : b >= 0xc2 && b < 0xe0 ? 2 : 0;
-  if (n == 0) return 0;
-  uint32_t c = b & (0xffu >> (n + 1));
-  for (size_t k = 1; k < n; ++k) {
-    if ((byte(i + k) & 0xc0) != 0x80) return 0;
-    c = c << 6 | (byte(i + k) & 0x3f);
-  }
-  const uint32_t least[5]{0, 0, 0x80, 0x800, 0x10000};
-  const bool forbidden = c < least[n] || (c >= 0xd800 && c < 0xe000) || c == 0xfffe || c == 0xffff || c > 0x10ffff ||
-                         (c >= 0x80 && c < 0xa0);
-  return forbidden ? 0 : n;
-}
-
 std::string trimmed(double v, int decimals) {
   const std::string s = fmt::format("{:.{}f}", v, decimals);
   std::string t = s;
@@ -52,40 +34,6 @@ std::string superscript(int n) {
 
 }  // namespace
 
-std::string escape(std::string_view text) {
-  std::string out;
-  out.reserve(text.size() + text.size() / 8);
-  for (size_t i = 0; i < text.size();) {
-    const size_t n = sequence(text, i);
-    if (n == 0) {
-      out += "\ufffd";
-      ++i;
-      continue;
-    }
-    switch (text[i]) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      case '\'':
-        out += "&#39;";
-        break;
-      default:
-        out += text.substr(i, n);
-    }
-    i += n;
-  }
-  return out;
-}
-
 std::string number(double value, int digits) {
   if (std::isnan(value)) return "–";
   if (std::isinf(value)) return value > 0 ? "∞" : "−∞";
@@ -105,7 +53,7 @@ std::string number(double value, int digits) {
 
 std::string quantity(const std::optional<double>& value, std::string_view unit, int digits) {
   if (!value) return "–";
-  return number(*value, digits) + (unit.empty() ? "" : "\u202f") + escape(unit);
+  return number(*value, digits) + (unit.empty() ? "" : "\u202f") + std::string(unit);
 }
 
 std::string base64(std::string_view bytes) {
@@ -120,6 +68,8 @@ std::string base64(std::string_view bytes) {
   }
   return out;
 }
+
+std::string svg_data_url(std::string_view svg) { return "data:image/svg+xml;base64," + base64(svg); }
 
 std::string png_data_url(const std::string& file, int widest) {
   constexpr std::streamoff limit = 32 << 20;

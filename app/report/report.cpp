@@ -4,12 +4,11 @@
 #include <fstream>
 #include <iterator>
 
-#include "app/report/html.h"
+#include "app/report/page.h"
 #include "app/report/report_data.h"
 #include "app/report/report_file.h"
 #include "app/report/report_names.h"
 #include "app/report/sections.h"
-#include "app/report/style.h"
 #include "sim/base/error.h"
 #include "sim/base/whole_file.h"
 
@@ -19,26 +18,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string page(const ReportData& d, const std::string& dir) {
-  namespace s = sections;
-  return whole_page(s::title(d), s::heading(d, dir) + "<main>\n" + s::study(d) + s::story(d, dir) + s::gallery(d, dir) +
-                                     s::tension(d, dir) + s::sutures(d) + s::closing(d, dir) + s::exercise(d) +
-                                     s::balance(d) + s::convergence(d) + s::timing(d) + s::residual(d) + s::figures(d) +
-                                     s::script(d) + "</main>\n" + s::footer(d));
+std::string page(const ReportSource& source) {
+  const std::string title = title_of(source.d);
+  return text_of({title, title, sections::opening(source), sections::summary(source), sections::all(source),
+                  sections::footer(source)});
 }
 
 }  // namespace
-
-std::string whole_page(const std::string& title, const std::string& body) {
-  return "<!DOCTYPE html>\n<html xmlns=\"http://www.w3.org/1999/xhtml\" lang=\"en\">\n<head>\n<meta "
-         "charset=\"utf-8\"/>\n"
-         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
-         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src "
-         "'unsafe-inline'\"/>\n"
-         "<title>" +
-         html::escape(title) + " – Limberg</title>\n<style>" + report_style + "</style>\n</head>\n<body>\n" + body +
-         "</body>\n</html>\n";
-}
 
 std::string result_file(const std::string& dir) { return (fs::path(dir) / report_names::result).string(); }
 
@@ -54,7 +40,8 @@ std::string read_result_file(const std::string& dir) {
 }
 
 std::string report_html(const std::string& result_json, const std::string& dir) {
-  return page(read_report_data(result_json, result_file(dir)), dir);
+  const ReportData d = read_report_data(result_json, result_file(dir));
+  return page({d, dir});
 }
 
 std::string write_report(const std::string& dir) {

@@ -1,36 +1,31 @@
 #pragma once
 // result.json as plain data: what is absent is absent here too. Read once, without trust; the sections of the report
-// only see this.
+// only see this. Names that results are written with are those of the structs that are read here (run_result.h).
 #include <map>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "app/result/schema.h"
+#include "app/result/run_result.h"
 
 namespace limberg {
 
-struct ReportData {
-  std::string version, commit, command, scene, scene_title, scene_note, mode, state_hash, reproduce, cpu;
-  Maybe cores;
-  std::optional<bool> ok;
-  Maybe duration_s, memory_mb, residual, distance_mm, solve_ms, solver_steps, render_frames;
-  Maybe device_ticks, late_ticks, events_lost;
-  ResultTimes wake_us, work_us, step_ms, frame_ms, to_snapshot_ms, to_frame_ms;
-  std::vector<std::string> parts;
-  std::vector<std::pair<std::string, double>> lattice;
-  std::map<std::string, double> metrics;  // every number in `metrics`
-  std::vector<ResultSuture> sutures;
+/// residual, distance_mm: of a session its solver's.
+struct ReportData : ResultOrigin, ResultRun {
+  std::map<std::string, double> lattice_numbers, metrics;  // every number in `lattice`, in `metrics`
+  ResultPatient patient;
   std::vector<ResultStage> stages;
-  std::string overview, tension;  // picture files, relative
+  ResultPictures pictures;  // their usual names, where the result says none
   std::vector<ResultPicture> gallery;
   std::vector<double> series_t_s, series_residual, series_distance_mm;  // NaN where a value is missing
-  std::vector<std::pair<std::string, std::vector<double>>> balance;     // name, N; "sum_N" and others
+  std::vector<double> series_closure_N, series_suture_max_N;
+  std::vector<std::pair<std::string, std::vector<double>>> balance;  // name, N; "sum_N" and others
   Maybe balance_relative;
   std::vector<ResultConvergence> convergence;
   std::map<std::string, ResultError> errors;  // by the name of the metric
   std::vector<std::string> script;
+  std::string reproduce;
   std::string study, about;
   std::vector<std::string> study_columns;
   std::vector<std::vector<Maybe>> study_rows;  // as the columns
@@ -38,16 +33,13 @@ struct ReportData {
   std::vector<ResultChart> charts;
   std::vector<ResultTable> tables;
   std::map<std::string, double> exercise;  // and "design/..."
-  std::string lesson_title, lesson_goal;
-  std::vector<ResultTolerance> tolerances;
-  std::vector<std::string> hints;
-  std::vector<ResultPoint> predicted;
-  std::vector<ResultLandmark> landmarks;
-  std::vector<double> series_closure_N, series_suture_max_N;
+  ResultLesson lesson;
   std::vector<std::pair<std::string, std::string>> damage;  // of the recording: name, value
 
   /// Bone alone was operated on, with no lattice of skin.
-  bool of_bones() const { return lattice.empty() && sutures.empty() && metrics.count("fragments") > 0; }
+  bool of_bones() const { return lattice_numbers.empty() && sutures().empty() && metrics.count("fragments") > 0; }
+
+  const std::vector<ResultSuture>& sutures() const { return entries(patient.sutures); }
 
   Maybe metric(const std::string& name) const {
     const auto it = metrics.find(name);

@@ -1,5 +1,6 @@
 #pragma once
-// What a run leaves in its folder, and the names in result.json that the report reads beside those of the contract
+// What a run leaves in its folder, and the names in result.json that the report reads (as structs: run_result.h and
+// schema.h in app/result) beside those of the contract
 // (`limberg`, `command`, `scene`, `machine`, `ok`, `metrics`, `device`, `solver`, `render`, ...). Every one is
 // optional.
 //

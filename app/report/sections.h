@@ -1,43 +1,37 @@
 #pragma once
-// The sections of the report, each from the data to HTML; empty when there is nothing to show.
-#include <string>
+// The sections of a report, in their order on the page. Each is a function of its name in a file of its own,
+// sections/NAME.cpp: from the result to Markup, and nothing when there is nothing to show. A new section is that file
+// and one line here.
+#include "app/report/parts.h"
 
-#include "app/report/report_data.h"
-#include "sim/measure/table.h"
+#define LIMBERG_REPORT_SECTIONS(X)                             \
+  X(study)       /* a family's charts, bars and rows */        \
+  X(story)       /* the operation, stage by stage */           \
+  X(gallery)     /* more pictures, before and after */         \
+  X(tension)     /* maps of the skin */                        \
+  X(sutures)     /* force and gap of each stitch */            \
+  X(closing)     /* what it came to: forces, tables, charts */ \
+  X(exercise)    /* lesson, tolerances, figures of the hand */ \
+  X(balance)     /* volume and forces that must add up */      \
+  X(convergence) /* the same on finer cells */                 \
+  X(timing)      /* the three lanes */                         \
+  X(residual)    /* how close to equilibrium */                \
+  X(figures)     /* every number */                            \
+  X(script)      /* what was done */                           \
+  X(again)       /* how to make the result again */
 
 namespace limberg::sections {
 
-inline constexpr double kAtRest = 1e-4;  // residual below which the tissue counts as at rest
+#define X(name) html::Markup name(const ReportSource& source);
+LIMBERG_REPORT_SECTIONS(X)
+#undef X
 
-/// A picture of a result as a data URL, made smaller to so many pixels; a name that leads out of the folder gives
-/// nothing.
-std::string picture_url(const std::string& dir, const std::string& name, int widest = 1600);
+/// All of them.
+html::Markup all(const ReportSource& source);
 
-/// "good", "warn" or "bad".
-std::string light_of_force(double force_N);
-
-std::string heading(const ReportData& d, const std::string& dir);  // title, verdict, picture, key figures
-std::string story(const ReportData& d, const std::string& dir);
-std::string tension(const ReportData& d, const std::string& dir);
-std::string gallery(const ReportData& d, const std::string& dir);
-std::string sutures(const ReportData& d);
-std::string exercise(const ReportData& d);  // lesson, tolerances, figures of the hand
-std::string closing(
-    const ReportData& d,
-    const std::string&
-        dir);  // force over time or actions, charts and tables that the command left, predicted points, landmarks
-std::string balance(const ReportData& d);
-std::string convergence(const ReportData& d);
-std::string chart_figure(const ResultChart& chart);  // a chart that a command left, with its title
-std::string bars(const ReportData& d);               // what was asked of a study or a bench, and whether it was met
-std::string study(const ReportData& d);
-std::string timing(const ReportData& d);
-std::string residual(const ReportData& d);
-std::string figures(const ReportData& d);
-std::string script(const ReportData& d);
-std::string footer(const ReportData& d);
-
-/// A title for the page.
-std::string title(const ReportData& d);
+// What stands round them.
+html::Markup opening(const ReportSource& source);  // what the result is of
+html::Markup summary(const ReportSource& source);  // verdict, picture, key figures
+html::Markup footer(const ReportSource& source);   // what made it
 
 }  // namespace limberg::sections

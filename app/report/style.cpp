@@ -52,6 +52,7 @@ pre{background:var(--card);border-radius:8px;padding:12px 14px;overflow-x:auto;f
 code{font:.92em ui-monospace,"DejaVu Sans Mono",Consolas,monospace}
 a{color:var(--accent)}
 footer{margin-top:48px;padding-top:12px;border-top:1px solid var(--grid);font-size:.86rem;color:var(--soft);overflow-wrap:anywhere}
+footer:empty{display:none}
 @media (max-width:640px){body{padding:16px 12px 40px}th,td{padding:6px 7px}td.bar,th.bar{display:none}.phone{display:none}
 td:first-child,th{white-space:normal}td:first-child code{overflow-wrap:anywhere}.pairs{gap:14px 8px}.bars td:first-child{min-width:7em}svg.chart{min-width:600px}}
 @media print{:root{--paper:#fff;--card:#f3f5f6;--ink:#000;--soft:#444;--grid:#ccc;--good:#1a7f4b;--warn:#b26a00;--bad:#b3261e;--s1:#0072b2;--s2:#d55e00;--s3:#009e73;color-scheme:light}

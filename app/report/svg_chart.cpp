@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "app/report/html.h"
+#include "app/report/markup.h"
 
 namespace limberg {
 

@@ -9,6 +9,7 @@
 
 #include "app/program/version.h"
 #include "app/result/output.h"
+#include "app/result/run_result.h"
 #include "sim/base/error.h"
 
 namespace limberg {
@@ -35,13 +36,8 @@ std::string cpu_name() {
 }  // namespace
 
 Result::Result(const std::string& command, const std::string& scene) : impl_(std::make_unique<Impl>()) {
-  set("/limberg/version", version());
-  set("/limberg/commit", commit());
-  set("/command", command);
-  set("/scene", scene);
-  set("/machine/cpu", cpu_name());
-  set("/machine/cores", int64_t(sysconf(_SC_NPROCESSORS_ONLN)));
-  set("/ok", true);
+  write_fields(*this, "",
+               ResultOrigin{{version(), commit()}, command, scene, {cpu_name(), sysconf(_SC_NPROCESSORS_ONLN)}, true});
 }
 Result::~Result() = default;
 Result::Result(Result&&) noexcept = default;
@@ -67,25 +63,11 @@ void Result::set(std::string_view path, std::span<const float> v) {
   impl_->at(path) = std::move(list);
 }
 
-void Result::set_hash(std::string_view path, uint64_t hash) { set(path, hex(hash)); }
-
 void Result::take(std::string_view path, const std::string& other_file) {
   const Json other = Json::parse(read_whole_file(other_file), nullptr, false);
   if (!other.is_object()) throw InputError(other_file, 0, "is not a JSON object; expected a result.json");
   const Json::json_pointer p{std::string(path)};
   if (other.contains(p)) impl_->at(path) = other.at(p);
-}
-
-void Result::set_times(std::string_view path, const Histogram& h, double unit, const Which& which) {
-  const auto put = [&](const char* name, int64_t ns) {
-    const std::string text = fmt::format("{:.4g}", double(ns) * unit);
-    set(std::string(path) + "/" + name, std::stod(text));
-  };
-  put("p50", h.percentile_ns(0.5));
-  if (which.p95) put("p95", h.percentile_ns(0.95));
-  if (which.p99) put("p99", h.percentile_ns(0.99));
-  if (which.p999) put("p999", h.percentile_ns(0.999));
-  if (which.max) put("max", h.max_ns());
 }
 
 std::string Result::text() const { return impl_->json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n"; }

@@ -4,8 +4,9 @@
 //   Result r("replay", "rhomboid");
 //   r.set("/solver/steps", 1234);
 //   r.set("/stages/0/name", "flap cut");     // a number names an entry of a list; entries come in order
-//   r.set_times("/device/wake_us", histogram, 1e-3, {.p999 = true});
 //   r.write("out/result.json");
+//
+// What more than one line of the program knows by name is a struct with its fields (schema.h, run_result.h).
 //
 // Paths are JSON pointers. Numbers that are not finite become null. The file is written beside its place and renamed,
 // so an older one is replaced whole or not at all.
@@ -14,8 +15,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-
-#include "app/session/lanes.h"
 
 namespace limberg {
 
@@ -34,7 +33,6 @@ class Result {
   void set(std::string_view path, const char* v) { set(path, std::string(v)); }
   void set(std::string_view path, const std::string& v);
   void set(std::string_view path, std::span<const float> v);
-  void set_hash(std::string_view path, uint64_t hash);  // 16 hex digits
   void set_empty_list(std::string_view path);
   /// How many entries the list at `path` has; 0 where there is none.
   int entries(std::string_view path) const;
@@ -42,11 +40,6 @@ class Result {
   /// Copies what another result.json holds at `path`, if anything. InputError when that file is no JSON object.
   void take(std::string_view path, const std::string& other_file);
 
-  struct Which {
-    bool p95 = false, p99 = true, p999 = false, max = true;
-  };
-  /// {p50, p95?, p99?, p999?, max?}; `unit` in the name's unit per ns (us: 1e-3, ms: 1e-6).
-  void set_times(std::string_view path, const Histogram& h, double unit, const Which& which);
   void set_ok(bool ok) { set("/ok", ok); }
 
   std::string text() const;  // indented JSON with a line end

@@ -1,8 +1,10 @@
 #pragma once
 // The entries of result.json's lists, each once: a plain struct and its fields by name. Results are written from these
-// structs (write_fields) and the report reads them back (report_data.cpp): a field is added in one place.
+// structs (write_fields) and the report reads them back (report_data.cpp): a field is added in one place. What a run
+// says beside its lists stands in run_result.h; what one command alone says, beside that command.
 //
-// A Maybe that is empty is not written, nor is an empty optional text.
+// A Maybe of any kind that is empty is not written. A text that is no Maybe is written unless it is empty.
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -15,7 +17,26 @@
 namespace limberg {
 
 using Maybe = std::optional<double>;
-using MaybeCount = std::optional<int64_t>;  // a whole number of things
+using MaybeCount = std::optional<int64_t>;     // a whole number of things
+using MaybeText = std::optional<std::string>;  // written though it is empty
+using MaybeFlag = std::optional<bool>;
+template <class T>
+using MaybeList = std::optional<std::vector<T>>;  // written though it is empty
+using ResultVector = std::array<double, 3>;       // to the last bit; a vector<double> has six digits
+
+/// A text that may be absent.
+inline std::string said(const MaybeText& text) { return text.value_or(""); }
+/// Those of a list that may be absent.
+template <class T>
+const std::vector<T>& entries(const MaybeList<T>& list) {
+  static const std::vector<T> none;
+  return list ? *list : none;
+}
+/// No list at all instead of an empty one.
+template <class T>
+MaybeList<T> unless_empty(std::vector<T> list) {
+  return list.empty() ? MaybeList<T>() : MaybeList<T>(std::move(list));
+}
 
 /// A time's percentiles: ms or us, as the name of the list says.
 struct ResultTimes {
@@ -114,16 +135,29 @@ void fields(ResultRefusal& x, F&& f) {
   f("t_s", x.t_s), f("action", x.action), f("reason", x.reason);
 }
 
-/// convergence: the same operation on one lattice of several.
+/// convergence/N/difference: from the coarser lattice before it.
+struct ResultChange {
+  Maybe closure_force_N, suture_gap_max_mm, dog_ear_mm;
+};
+template <class F>
+void fields(ResultChange& x, F&& f) {
+  f("closure_force_N", x.closure_force_N), f("suture_gap_max_mm", x.suture_gap_max_mm), f("dog_ear_mm", x.dog_ear_mm);
+}
+
+/// convergence: the same operation on one lattice of several. fitted_cell_mm: cube root of a cell of the lattice, which
+/// is fitted to a block.
 struct ResultConvergence {
   Maybe cell_mm, closure_force_N, suture_gap_max_mm, suture_force_max_N, dog_ear_mm, residual, solve_ms;
   MaybeCount nodes;
+  Maybe fitted_cell_mm, distance_mm;
+  ResultChange difference;
 };
 template <class F>
 void fields(ResultConvergence& x, F&& f) {
   f("cell_mm", x.cell_mm), f("nodes", x.nodes), f("closure_force_N", x.closure_force_N);
   f("suture_gap_max_mm", x.suture_gap_max_mm), f("suture_force_max_N", x.suture_force_max_N);
   f("dog_ear_mm", x.dog_ear_mm), f("residual", x.residual), f("solve_ms", x.solve_ms);
+  f("fitted_cell_mm", x.fitted_cell_mm), f("distance_mm", x.distance_mm), f("difference", x.difference);
 }
 
 /// discretisation/NAME: the lattice's share of a figure's error (sim/measure/extrapolation.h).
@@ -193,35 +227,42 @@ void write_fields(Result& r, const std::string& path, const T& entry);
 
 namespace schema {
 
-inline void write(Result& r, const std::string& path, double v) { r.set(path, v); }
-inline void write(Result& r, const std::string& path, bool v) { r.set(path, v); }
-inline void write(Result& r, const std::string& path, const std::string& v) {
-  if (!v.empty()) r.set(path, v);
-}
-inline void write(Result& r, const std::string& path, const Maybe& v) {
-  if (v) r.set(path, *v);
-}
-inline void write(Result& r, const std::string& path, const MaybeCount& v) {
-  if (v) r.set(path, *v);
-}
-inline void write(Result& r, const std::string& path, const std::vector<double>& v) {
-  const std::vector<float> shown(v.begin(), v.end());
-  r.set(path, std::span<const float>(shown));
-}
 template <class T>
-requires(!std::is_same_v<T, double>) void write(Result& r, const std::string& path, const std::vector<T>& list);
+inline constexpr bool is_optional = false;
+template <class T>
+inline constexpr bool is_optional<std::optional<T>> = true;
+template <class T>
+inline constexpr bool is_list = false;
+template <class T>
+inline constexpr bool is_list<std::vector<T>> = true;
+template <class T, size_t n>
+inline constexpr bool is_list<std::array<T, n>> = true;
 
 template <class T>
-void write_entry(Result& r, const std::string& path, const T& v) {
-  if constexpr (ResultEntry<T>)
+void write(Result& r, const std::string& path, const T& v) {
+  if constexpr (ResultEntry<T>) {
     write_fields(r, path, v);
-  else
-    write(r, path, v);
-}
-template <class T>
-requires(!std::is_same_v<T, double>) void write(Result& r, const std::string& path, const std::vector<T>& list) {
-  r.set_empty_list(path);
-  for (size_t i = 0; i < list.size(); ++i) write_entry(r, path + "/" + std::to_string(i), list[i]);
+  } else if constexpr (std::is_same_v<T, MaybeText>) {
+    if (v) r.set(path, *v);
+  } else if constexpr (is_optional<T>) {
+    if (v) write(r, path, *v);
+  } else if constexpr (std::is_same_v<T, std::string>) {
+    if (!v.empty()) r.set(path, v);
+  } else if constexpr (std::is_same_v<T, std::vector<double>>) {
+    const std::vector<float> shown(v.begin(), v.end());
+    r.set(path, std::span<const float>(shown));
+  } else if constexpr (is_list<T>) {
+    r.set_empty_list(path);
+    for (size_t i = 0; i < v.size(); ++i) {
+      const std::string at = path + "/" + std::to_string(i);
+      if constexpr (std::is_same_v<T, std::vector<std::string>>)
+        r.set(at, v[i]);  // an empty text too: places in a list count
+      else
+        write(r, at, v[i]);
+    }
+  } else {
+    r.set(path, v);
+  }
 }
 
 }  // namespace schema
@@ -229,7 +270,7 @@ requires(!std::is_same_v<T, double>) void write(Result& r, const std::string& pa
 template <ResultEntry T>
 void write_fields(Result& r, const std::string& path, const T& entry) {
   fields(const_cast<T&>(entry),  // fields() serves reading too; nothing is changed here
-         [&](const char* name, const auto& v) { schema::write_entry(r, path + "/" + name, v); });
+         [&](const char* name, const auto& v) { schema::write(r, path + "/" + name, v); });
 }
 /// Appends an entry to the list at `path`.
 template <ResultEntry T>

@@ -4,104 +4,132 @@
 #include "app/head/report.h"
 #include "app/report/report_names.h"
 #include "app/result/metrics.h"
-#include "app/result/schema.h"
+#include "app/result/times.h"
+#include "sim/commands/script.h"
 #include "sim/commands/strokes.h"
 
 namespace limberg {
 
 namespace {
 
-void fill_parts(Result& r, const Assembly& a) {
-  int n = 0;
-  const auto part = [&](const std::string& name) { r.set("/parts/" + std::to_string(n++), name); };
-  if (a.scene.flesh) {
-    part(a.scene.source == Scene::Source::block ? "block" : "surface");
-    part("lattice");
-    part("elastic solver");
-  }
-  if (a.scene.flesh && a.scene.can_cut) part("cutter");
-  if (a.scene.flesh && a.scene.dynamic) part("dynamics");
+/// damage: of a recording, in events.
+struct ResultDamage {
+  int64_t events, truncated, bad_sync, bad_length, bad_payload, out_of_order, missing, skipped_bytes;
+  MaybeText first;
+};
+void fields(ResultDamage& x, auto&& f) {
+  f("events", x.events), f("truncated", x.truncated), f("bad_sync", x.bad_sync), f("bad_length", x.bad_length);
+  f("bad_payload", x.bad_payload), f("out_of_order", x.out_of_order), f("missing", x.missing);
+  f("skipped_bytes", x.skipped_bytes), f("first", x.first);
+}
+
+std::vector<std::string> parts_of(const Assembly& a) {
+  std::vector<std::string> parts;
+  if (a.scene.flesh)
+    parts = {a.scene.source == Scene::Source::block ? "block" : "surface", "lattice", "elastic solver"};
+  if (a.scene.flesh && a.scene.can_cut) parts.push_back("cutter");
+  if (a.scene.flesh && a.scene.dynamic) parts.push_back("dynamics");
   if (a.head) {
-    part("bones");
-    part("fragments, with a Bullet world while one is held");
-    if (a.head->has_face()) part("face");
-    if (!a.head->tissues().empty()) part("tissue between face and bone");
+    parts.push_back("bones");
+    parts.push_back("fragments, with a Bullet world while one is held");
+    if (a.head->has_face()) parts.push_back("face");
+    if (!a.head->tissues().empty()) parts.push_back("tissue between face and bone");
   }
-  part("device front end");
+  parts.push_back("device front end");
+  return parts;
 }
 
-void fill_lanes(Result& r, Assembly& a, const SessionFigures& f) {
-  r.set("/device/ticks", f.device.ticks ? f.device.ticks : uint64_t(f.ticks));
-  r.set("/device/late_ticks", f.device.late);
-  r.set("/device/skipped_ticks", f.device.skipped);
-  r.set_times("/device/wake_us", f.device.wake, 1e-3, {.p999 = true});
-  r.set_times("/device/work_us", f.device.work, 1e-3, {.p999 = true});
-  r.set_times("/device/snapshot_age_ms", f.device.age, 1e-6, {});
-  r.set("/device/events_lost", a.device.events_lost() + uint64_t(a.solver.event_gaps()));
-  r.set("/device/samples_unrecorded", a.device.samples_lost());
+ResultDevice device_of(Assembly& a, const SessionFigures& f) {
   const FrontEndCounts c = a.front.counts();
-  r.set("/device/samples", c.sources.samples);
-  r.set("/device/samples_malformed", c.sources.malformed);
-  r.set("/device/samples_lost", c.sources.lost);
-  r.set("/device/missed_presses", c.missed_presses);
-  r.set("/device/dropped_gestures", int64_t(a.solver.dropped_gestures()));
-  if (!f.scheduling.empty()) r.set("/device/scheduling", f.scheduling);
-  r.set("/solver/steps", a.solver.steps());
-  r.set("/solver/late_steps", f.solver.late);
-  r.set("/solver/skipped_steps", f.solver.skipped);
-  r.set_times("/solver/step_ms", f.solver.work, 1e-6, {.p95 = true});
-  r.set("/solver/residual", a.solver.last().residual);
-  r.set("/solver/distance_mm", a.solver.last().distance_mm);
-  r.set("/solver/settle_steps", f.settle_steps);
-  r.set("/solver/describe",
-        a.world->skin() ? a.world->solver().describe() : std::string("simplex meshes of face and bone"));
-  r.set("/render/frames", a.render.frames());
-  r.set("/render/skipped_frames", f.render.skipped);
-  r.set_times("/render/frame_ms", f.render.work, 1e-6, {.p95 = true});
-  r.set_times("/latency_ms/sample_to_snapshot", f.sample_to_snapshot, 1e-6, {.max = false});
-  r.set_times("/latency_ms/sample_to_frame", f.sample_to_frame, 1e-6, {.max = false});
+  ResultDevice d;
+  d.ticks = f.device.ticks ? int64_t(f.device.ticks) : f.ticks;
+  d.late_ticks = f.device.late;
+  d.skipped_ticks = f.device.skipped;
+  d.wake_us = times_of(f.device.wake, 1e-3, {.p999 = true});
+  d.work_us = times_of(f.device.work, 1e-3, {.p999 = true});
+  d.snapshot_age_ms = times_of(f.device.age, 1e-6, {});
+  d.events_lost = int64_t(a.device.events_lost()) + a.solver.event_gaps();
+  d.samples_unrecorded = a.device.samples_lost();
+  d.samples = c.sources.samples;
+  d.samples_malformed = c.sources.malformed;
+  d.samples_lost = c.sources.lost;
+  d.missed_presses = c.missed_presses;
+  d.dropped_gestures = a.solver.dropped_gestures();
+  d.scheduling = f.scheduling;
+  return d;
 }
 
-void fill_story(Result& r, const Assembly& a) {
-  for (const StageRow& s : a.solver.stages())
-    append(r, "/stages",
-           ResultStage{s.name,
-                       report_names::stage_picture(s.number, s.name),
-                       {},
-                       s.t_s,
-                       double(s.shown.residual),
-                       int64_t(s.shown.sutures.size()),
-                       {}});
-  const SolverSeries& s = a.solver.series();
-  r.set("/series/t_s", std::span<const float>(s.t_s));
-  r.set("/series/residual", std::span<const float>(s.residual));
-  r.set("/series/distance_mm", std::span<const float>(s.distance_mm));
-  r.set("/series/closure_N", std::span<const float>(s.closure_N));
-  r.set("/series/suture_max_N", std::span<const float>(s.suture_max_N));
-  r.set("/commands", a.solver.commands());
-  for (size_t i = 0; i < a.done.size(); ++i) r.set("/script/" + std::to_string(i), to_json_line(a.done[i]));
-  r.set_empty_list("/refused");
-  for (const Refusal& x : a.solver.refused()) append(r, "/refused", ResultRefusal{x.t_s, x.command, x.reason});
+ResultSolver solver_of(Assembly& a, const SessionFigures& f) {
+  ResultSolver s;
+  s.steps = a.solver.steps();
+  s.late_steps = f.solver.late;
+  s.skipped_steps = f.solver.skipped;
+  s.step_ms = times_of(f.solver.work, 1e-6, {.p95 = true});
+  s.residual = a.solver.last().residual;
+  s.distance_mm = a.solver.last().distance_mm;
+  s.settle_steps = f.settle_steps;
+  s.describe = a.world->skin() ? a.world->solver().describe() : std::string("simplex meshes of face and bone");
+  return s;
+}
+
+ResultStory story_of(const Assembly& a) {
+  ResultStory story;
+  std::vector<ResultStage> stages;
+  for (const StageRow& s : a.solver.stages()) {
+    stages.push_back(stage_of(s));
+    stages.back().t_s = s.t_s, stages.back().sutures = s.shown.sutures.size();
+  }
+  story.stages = unless_empty(std::move(stages));
+  story.series = series_of(a.solver.series());
+  story.commands = a.solver.commands();
+  story.script = script_of(a.done);
+  story.refused.emplace();
+  for (const Refusal& x : a.solver.refused()) story.refused->push_back({x.t_s, x.command, x.reason});
+  return story;
 }
 
 }  // namespace
 
+ResultStage stage_of(const StageRow& s) {
+  ResultStage stage;
+  stage.name = s.name;
+  stage.picture = report_names::stage_picture(s.number, s.name);
+  stage.residual = double(s.shown.residual);
+  return stage;
+}
+
+ResultSeries series_of(const SolverSeries& s) {
+  const auto list = [](const std::vector<float>& v) { return std::vector<double>(v.begin(), v.end()); };
+  return {list(s.t_s), list(s.residual), list(s.distance_mm), list(s.closure_N), list(s.suture_max_N)};
+}
+
+MaybeList<std::string> script_of(std::span<const Command> done) {
+  std::vector<std::string> lines;
+  for (const Command& c : done) lines.push_back(to_json_line(c));
+  return unless_empty(std::move(lines));
+}
+
 void fill_session(Result& r, Assembly& a, const SessionFigures& f, bool real_time, const Lesson* lesson) {
-  r.set("/scene_title", a.scene.name);
-  r.set("/scene_note", a.scene.note);
-  r.set("/mode", real_time ? "realtime" : "lockstep");
-  r.set("/duration_s", f.duration_s);
-  r.set("/interrupted", f.interrupted);
-  r.set_hash("/state_hash", f.state_hash);
-  r.set_hash("/topology_hash", a.patient->topology_hash());
-  r.set_hash("/scene_hash", a.scene.hash);
-  fill_parts(r, a);
-  r.set("/memory_mb", peak_memory_mb());
-  r.set("/workers", a.workers.count());
-  fill_lanes(r, a, f);
+  ResultRun run;
+  run.scene_title = a.scene.name, run.scene_note = a.scene.note;
+  run.mode = real_time ? "realtime" : "lockstep";
+  run.duration_s = f.duration_s;
+  run.interrupted = f.interrupted;
+  run.state_hash = hex(f.state_hash);
+  run.topology_hash = hex(a.patient->topology_hash());
+  run.scene_hash = hex(a.scene.hash);
+  run.parts = parts_of(a);
+  run.memory_mb = peak_memory_mb();
+  run.workers = a.workers.count();
+  run.device = device_of(a, f);
+  run.solver = solver_of(a, f);
+  run.render = {a.render.frames(), f.render.skipped, times_of(f.render.work, 1e-6, {.p95 = true})};
+  run.latency_ms = {times_of(f.sample_to_snapshot, 1e-6, {.max = false}),
+                    times_of(f.sample_to_frame, 1e-6, {.max = false})};
+  write_fields(r, "", run);
   if (a.head) fill_head(r, *a.head);
   if (!a.world->skin()) {
-    fill_story(r, a);
+    write_fields(r, "", story_of(a));
     return;
   }
   MeasureAlso also;
@@ -117,20 +145,14 @@ void fill_session(Result& r, Assembly& a, const SessionFigures& f, bool real_tim
   e.hand = a.solver.hand();
   e.refused = int(a.solver.refused().size());
   print_judgements(fill_exercise(r, e, metrics, lesson));
-  fill_story(r, a);
+  write_fields(r, "", story_of(a));
 }
 
 void fill_damage(Result& r, const LogDamage& d) {
   if (d.total() == 0) return;
-  r.set("/damage/events", d.total());
-  r.set("/damage/truncated", d.truncated);
-  r.set("/damage/bad_sync", d.bad_sync);
-  r.set("/damage/bad_length", d.bad_length);
-  r.set("/damage/bad_payload", d.bad_payload);
-  r.set("/damage/out_of_order", d.out_of_order);
-  r.set("/damage/missing", d.missing);
-  r.set("/damage/skipped_bytes", d.skipped_bytes);
-  r.set("/damage/first", d.first_message);
+  write_fields(r, "/damage",
+               ResultDamage{d.total(), d.truncated, d.bad_sync, d.bad_length, d.bad_payload, d.out_of_order, d.missing,
+                            d.skipped_bytes, d.first_message});
 }
 
 }  // namespace limberg

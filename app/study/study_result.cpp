@@ -9,6 +9,29 @@
 
 namespace limberg::study {
 
+namespace {
+
+/// failed
+struct ResultFailedMember {
+  MaybeText member, why;
+};
+void fields(ResultFailedMember& x, auto&& f) { f("member", x.member), f("why", x.why); }
+
+/// Beside rows and bars.
+struct ResultStudy {
+  MaybeText study, about;
+  MaybeList<ResultFailedMember> failed;
+  int64_t members;
+  bool complete;
+  MaybeList<std::string> columns;
+};
+void fields(ResultStudy& x, auto&& f) {
+  f("study", x.study), f("about", x.about), f("failed", x.failed), f("members", x.members);
+  f("complete", x.complete), f("columns", x.columns);
+}
+
+}  // namespace
+
 std::vector<Bar> bars_of(const std::vector<Gathered>& parts) {
   std::vector<Bar> out;
   for (size_t i = 0; i < parts.size(); ++i) {
@@ -24,33 +47,32 @@ std::vector<Bar> bars_of(const std::vector<Gathered>& parts) {
 Result result_of(const std::vector<Gathered>& parts, const std::vector<Bar>& bars) {
   const Gathered& g = parts[0];
   Result r("study", "");
-  r.set("/study", g.family->name);
-  r.set("/about", g.family->about);
-  r.set_empty_list("/rows");
-  r.set_empty_list("/bars");
-  size_t members = 0, done = 0, failures = 0;
+  size_t members = 0, done = 0;
+  std::vector<ResultFailedMember> failed;
   for (const Gathered& p : parts) {
     members += p.members.size(), done += p.rows.size();
-    for (const auto& [name, why] : p.failed) {
-      r.set("/failed/" + std::to_string(failures) + "/member", name);
-      r.set("/failed/" + std::to_string(failures++) + "/why", why);
-    }
+    for (const auto& [name, why] : p.failed) failed.push_back({name, why});
   }
-  r.set("/members", uint64_t(members));
-  r.set("/complete", done == members);
   bool ok = done == members;
-  int n = 0;
+  std::vector<std::string> columns;
   if (!g.rows.empty())
-    for (const auto& [name, v] : g.rows[0].figures) r.set("/columns/" + std::to_string(n++), name);
-  for (size_t i = 0; i < g.rows.size(); ++i)
+    for (const auto& [name, v] : g.rows[0].figures) columns.push_back(name);
+  write_fields(r, "",
+               ResultStudy{g.family->name, g.family->about, unless_empty(std::move(failed)), int64_t(members), ok,
+                           unless_empty(std::move(columns))});
+  r.set_empty_list("/rows");
+  for (size_t i = 0; i < g.rows.size(); ++i)  // each family names its own figures
     for (const auto& [name, v] : g.rows[i].figures) r.set("/rows/" + std::to_string(i) + "/" + name, v);
   for (size_t i = 0; i < g.rows.size(); ++i)
-    if (const std::string& title = g.rows[i].title; !title.empty())
-      append(r, "/stages", ResultStage{title, report_names::stage_picture(int(i) + 1, title), {}, {}, {}, {}, {}});
-  for (size_t i = 0; i < bars.size(); ++i) {
-    const Bar& b = bars[i];
+    if (const std::string& title = g.rows[i].title; !title.empty()) {
+      ResultStage stage;
+      stage.name = title, stage.picture = report_names::stage_picture(int(i) + 1, title);
+      append(r, "/stages", stage);
+    }
+  r.set_empty_list("/bars");
+  for (const Bar& b : bars) {
     append(r, "/bars", ResultBar{b.name, b.source, b.value, b.bar, false, b.larger_is_better, b.pass});
-    ok &= bars[i].pass;
+    ok &= b.pass;
   }
   for (const Gathered& part : parts) {
     if (part.rows.empty()) continue;

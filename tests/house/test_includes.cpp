@@ -152,8 +152,10 @@ TEST(Includes, CalibrationStandsAlone) { EXPECT_EQ(offences(includes_of("calibra
 
 TEST(Includes, HeavyHeadersStayOutOfHeaders) {
   const auto light = [](const Include& i) {
-    // Those two exist to be included by .cpp files.
-    if (!i.from.ends_with(".h") || i.from == "calibration/toml.h" || i.from == "app/commands/numbers.h") return true;
+    // Those three exist to be included by .cpp files.
+    if (!i.from.ends_with(".h") || i.from == "calibration/toml.h" || i.from == "app/commands/numbers.h" ||
+        i.from == "app/result/read_result.h")
+      return true;
     for (const char* heavy :
          {"nlohmann/", "toml++/", "CLI/", "Eigen/Dense", "Eigen/Sparse", "Eigen/Eigenvalues", "Eigen/SVD"})
       if (i.target.starts_with(heavy)) return false;

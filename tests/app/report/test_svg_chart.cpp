@@ -6,6 +6,7 @@
 #include <set>
 
 #include "app/report/html.h"
+#include "app/report/markup.h"
 #include "app/report/svg_chart.h"
 #include "tests/app/report/xml_check.h"
 

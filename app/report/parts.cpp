@@ -1,0 +1,82 @@
+#include "app/report/parts.h"
+
+#include <filesystem>
+
+#include "app/report/html.h"
+
+namespace limberg {
+
+html::Light light_of_force(double force_N) {
+  return force_N < kSutureForce_N.warn   ? html::Light::good
+         : force_N <= kSutureForce_N.bad ? html::Light::warn
+                                         : html::Light::bad;
+}
+
+std::string title_of(const ReportData& d) {
+  return !said(d.scene_title).empty() ? capital(said(d.scene_title))
+         : !said(d.scene).empty()     ? capital(said(d.scene))
+         : d.command == "superpose"   ? "Superposition"
+         : d.command == "fit"         ? "Fit of a mesh"
+         : d.command == "bench"       ? "Benchmark"
+         : d.study.empty()            ? "Operation"
+                                      : "Study: " + d.study;
+}
+
+std::string capital(std::string s) {
+  if (!s.empty() && s[0] >= 'a' && s[0] <= 'z') s[0] = char(s[0] - 'a' + 'A');
+  return s;
+}
+
+std::string joined(const std::vector<std::string>& words, const char* between) {
+  std::string s;
+  for (const std::string& w : words)
+    if (!w.empty()) s += (s.empty() ? "" : between) + w;
+  return s;
+}
+
+std::string picture_url(const std::string& dir, const std::string& name, int widest) {
+  namespace fs = std::filesystem;
+  const fs::path p(name);
+  if (name.empty() || p.is_absolute() || name.find('\0') != std::string::npos) return {};
+  for (const fs::path& part : p)
+    if (part == "..") return {};
+  return html::png_data_url((fs::path(dir) / p).string(), widest);
+}
+
+std::vector<LaneOfReport> lanes_of(const ReportData& d) {
+  return {{"Device: wake-up late by", "µs", d.device.wake_us, 1.0, 1},
+          {"Device: work per tick", "µs", d.device.work_us, 1.0, 1},
+          {"Solver: one step", "ms", d.solver.step_ms, 1000.0 / 60, 2},
+          {"Render: one frame", "ms", d.render.frame_ms, 1000.0 / 30, 3},
+          {"Sample to snapshot", "ms", d.latency_ms.sample_to_snapshot, {}, 4},
+          {"Sample to picture", "ms", d.latency_ms.sample_to_frame, {}, 4}};
+}
+
+html::Markup chart_of(const ResultChart& c) {
+  LineChart chart;
+  chart.description = c.description;
+  chart.x.title = c.x, chart.y.title = c.y;
+  chart.x.log = c.x_log, chart.y.log = c.y_log;
+  for (const auto& s : c.series) chart.series.push_back({s.name, s.x, s.y, s.markers});
+  for (const ResultMark& m : c.x_marks) chart.x_marks.push_back({m.value, m.label});
+  for (const ResultMark& m : c.y_marks) chart.y_marks.push_back({m.value, m.label});
+  return html::titled(c.title, html::chart(svg(chart)));
+}
+
+std::vector<ChartMark> stage_marks(const ReportData& d) {
+  std::vector<ChartMark> marks;
+  for (const ResultStage& stage : d.stages)
+    if (stage.t_s) marks.push_back({*stage.t_s, stage.name.substr(0, 24)});
+  return marks;
+}
+
+html::Markup bars_of(const ReportData& d) {
+  if (d.bars.empty()) return {};
+  std::vector<html::Row> rows;
+  for (const ResultBar& b : d.bars)
+    rows.push_back({b.name, html::quantity(b.value, ""), (b.larger_is_better ? "≥ " : "≤ ") + html::quantity(b.bar, ""),
+                    b.pass ? html::bold("met", html::Light::good) : html::bold("missed", html::Light::bad), b.source});
+  return html::table_of_words({"What is asked", "Value", "Bar", "", "Where it comes from"}, rows);
+}
+
+}  // namespace limberg

@@ -1,0 +1,110 @@
+// What the operation, or another command, came to: forces over time, charts and tables that the command left, what the
+// plan foretold, landmarks, perfusion.
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "app/report/html.h"
+#include "app/report/report_names.h"
+#include "app/report/sections.h"
+
+namespace limberg::sections {
+
+using html::quantity;
+
+namespace {
+
+/// A map that the run has left beside its result.
+html::Markup map_in(const std::string& dir, const char* name, const char* alt) {
+  std::ifstream in(std::filesystem::path(dir) / name, std::ios::binary);
+  const std::string svg((std::istreambuf_iterator<char>(in)), {});
+  if (!svg.starts_with("<svg") || svg.size() > (4u << 20)) return {};
+  return html::map(html::svg_data_url(svg), alt);
+}
+
+html::Markup force_over_time(const ReportData& d) {
+  const std::vector<double>& sum = d.series_closure_N;
+  if (sum.size() < 2 || d.series_t_s.size() < sum.size()) return {};
+  if (!std::any_of(sum.begin(), sum.end(), [](double f) { return f > 0; })) return {};
+  LineChart chart;
+  chart.description = "Sum of the stitches' forces and the largest of them over time";
+  chart.x.title = "time of the recording, s", chart.y.title = "N";
+  std::vector<double> t = d.series_t_s;
+  t.resize(sum.size());
+  chart.series.push_back(thinned({"sum of all stitches", t, sum, false}, 600));
+  if (d.series_suture_max_N.size() == t.size())
+    chart.series.push_back(thinned({"largest stitch", t, d.series_suture_max_N, false}, 600));
+  chart.x_marks = stage_marks(d);
+  return html::titled("Closure force over the operation", html::chart(svg(chart)));
+}
+
+html::Markup table_of(const ResultTable& t) {
+  std::vector<html::Row> rows;
+  for (const auto& r : t.rows) rows.push_back(html::Row(r.begin(), r.end()));
+  return html::titled(t.title, (t.about.empty() ? html::Markup() : html::paragraph(t.about)) +
+                                   html::table(html::Row(t.columns.begin(), t.columns.end()), rows));
+}
+
+html::Markup foretold(const ReportData& d) {
+  std::vector<html::Row> rows;
+  for (const ResultPoint& p : entries(d.patient.predicted))
+    rows.push_back({"(" + quantity(p.x_mm, "") + ", " + quantity(p.y_mm, "") + ")", quantity(p.charge_deg, "°"),
+                    quantity(p.deficit_deg, "°"), quantity(p.height_mm, "mm"), quantity(p.volume_mm3, "mm³")});
+  if (rows.empty()) return {};
+  return html::titled(
+      "What the plan foretold",
+      html::paragraph(
+          "At each point where tissue angles of sum S are sewn together, 360° − S is foretold: above nothing a cone "
+          "that stands up, below it a saddle and tension. Beside it the deficit that is there now, stretch included, "
+          "and what stands up.") +
+          html::table({"Place on the chart, mm", "foretold", "deficit now", "height", "volume"}, rows));
+}
+
+html::Markup landmarks(const ReportData& d) {
+  std::vector<html::Row> rows;
+  for (const ResultLandmark& l : entries(d.patient.landmarks))
+    rows.push_back({l.name, quantity(l.displacement_mm, "mm", 2), quantity(l.along_mm, "mm", 2),
+                    quantity(l.across_mm, "mm", 2), quantity(l.up_mm, "mm", 2)});
+  if (rows.empty()) return {};
+  return html::titled("Landmarks",
+                      html::table({"Landmark", "displaced by", "along the tension lines", "across", "up"}, rows));
+}
+
+html::Markup perfusion(const ReportData& d) {
+  const Maybe undermined = d.metric("undermined_mm2");
+  if (!undermined || *undermined <= 0) return {};
+  const auto area = [&](const char* name) { return quantity(d.metric(name), "mm²"); };
+  std::string words =
+      quantity(undermined, "mm²") + " of skin are undermined; " + area("perfusion_below_40_mm2") +
+      " of it lie more than 20\u202fmm of skin away from skin that is still attached, where perfusion of random flaps "
+      "in pigs was 40\u202f% and less (Memarzadeh 2016: 40, 20 and about 0\u202f% at 20, 25 and 30\u202fmm). Lowest "
+      "index " +
+      quantity(d.metric("perfusion_least"), "", 2) + ", farthest " + quantity(d.metric("perfusion_farthest_mm"), "mm");
+  if (d.metric("perfusion_severed_mm2").value_or(0) > 0.5)
+    words += ", without any pedicle " + area("perfusion_severed_mm2");
+  words +=
+      ". It orders places and designs; it foretells no necrosis: the source gives no spread, and facial skin is "
+      "perfused better than a pig's flank.";
+  return html::titled("Perfusion risk", html::paragraph(words));
+}
+
+}  // namespace
+
+html::Markup closing(const ReportSource& source) {
+  const ReportData& d = source.d;
+  html::Markup body = force_over_time(d);
+  if (d.command != "study")
+    for (const ResultChart& c : d.charts) body += chart_of(c);
+  if (d.command == "bench") body += bars_of(d);
+  for (const ResultTable& t : d.tables) body += table_of(t);
+  body += foretold(d) + landmarks(d) + perfusion(d);
+  body +=
+      map_in(source.dir, report_names::ranking, "The best designs as they would lie on the skin, and what each costs");
+  body += map_in(source.dir, report_names::perfusion, "Map of the perfusion index on the chart");
+  body += map_in(source.dir, report_names::stress, "Map of the skin's largest principal stress on the chart");
+  const bool of_a_measurement = d.command == "superpose" || d.command == "bench" || d.command == "fit";
+  return html::section(of_a_measurement ? "What it came to" : d.of_bones() ? "Bones and face" : "The closure", body);
+}
+
+}  // namespace limberg::sections

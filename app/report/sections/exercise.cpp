@@ -1,0 +1,70 @@
+// What a lesson asked, and what the exercise came to in figures.
+#include <algorithm>
+
+#include "app/report/html.h"
+#include "app/report/sections.h"
+
+namespace limberg::sections {
+
+using html::Light;
+using html::quantity;
+
+namespace {
+
+/// A name of a figure in words: its unit in brackets, a point between digits.
+std::string spoken(std::string name) {
+  for (const auto& [ending, unit] : {std::pair<std::string, const char*>{"_deg", "°"},
+                                     {"_mm", "mm"},
+                                     {"_percent", "%"},
+                                     {"_mm2", "mm²"},
+                                     {"_s", "s"},
+                                     {"_N", "N"},
+                                     {"_mN", "mN"},
+                                     {"_kPa", "kPa"}})
+    if (name.ends_with(ending)) {
+      name.resize(name.size() - ending.size());
+      name += "_(" + std::string(unit) + ")";
+      break;
+    }
+  for (size_t i = 1; i + 1 < name.size(); ++i)
+    if (name[i] == '_' && name[i - 1] >= '0' && name[i - 1] <= '9' && name[i + 1] >= '0' && name[i + 1] <= '9')
+      name[i] = '.';
+  std::replace(name.begin(), name.end(), '_', ' ');
+  std::replace(name.begin(), name.end(), '/', ' ');
+  return name;
+}
+
+html::Markup judged(const ResultTolerance& t) {
+  if (t.value) return t.met ? html::bold("met", Light::good) : html::bold("missed", Light::bad);
+  return t.why.empty() ? "not measured" : "not measured: " + t.why;
+}
+
+}  // namespace
+
+html::Markup exercise(const ReportSource& source) {
+  const ReportData& d = source.d;
+  const std::string lesson = said(d.lesson.title);
+  html::Markup body;
+  if (!lesson.empty()) {
+    body += html::paragraph(said(d.lesson.goal));
+    bool all_met = true;
+    std::vector<html::Row> rows;
+    for (const ResultTolerance& t : entries(d.lesson.tolerances)) {
+      all_met &= t.met;
+      rows.push_back({spoken(t.name), quantity(t.value, t.unit), "≤ " + quantity(t.limit, t.unit), judged(t)});
+    }
+    body += html::table({"Tolerance", "Value", "Limit", ""}, rows);
+    const std::vector<std::string>& hints = entries(d.lesson.hints);
+    if (!hints.empty() && !all_met)
+      body += html::paragraph("Hints:") + html::list(std::vector<html::Markup>(hints.begin(), hints.end()));
+  }
+  if (!d.exercise.empty()) {
+    std::vector<html::Row> rows;
+    for (const auto& [name, value] : d.exercise) rows.push_back({spoken(name), html::number(value, 4)});
+    body += html::table({"Figure", "Value"}, rows) +
+            html::note("No grade: no published scale turns these figures into one. The script below is the evidence.");
+  }
+  return html::section(lesson.empty() ? "The exercise in figures" : "Lesson: " + lesson, body);
+}
+
+}  // namespace limberg::sections

@@ -1,0 +1,65 @@
+// The operation, or the members of a study, picture by picture.
+#include <algorithm>
+#include <filesystem>
+
+#include "app/report/html.h"
+#include "app/report/report_names.h"
+#include "app/report/sections.h"
+
+namespace limberg::sections {
+
+namespace {
+
+/// Those of the result; where it has none, the pictures that lie in its folder, in order of their names.
+std::vector<ResultStage> stages_of(const ReportSource& source) {
+  if (!source.d.stages.empty()) return source.d.stages;
+  namespace fs = std::filesystem;
+  std::vector<ResultStage> stages;
+  std::error_code none;
+  for (const auto& e : fs::directory_iterator(fs::path(source.dir) / report_names::stages_dir, none))
+    if (e.path().extension() == ".png") {
+      ResultStage stage;
+      stage.name = e.path().stem().string();
+      stage.picture = std::string(report_names::stages_dir) + "/" + e.path().filename().string();
+      stages.push_back(stage);
+    }
+  std::sort(stages.begin(), stages.end(), [](const auto& a, const auto& b) { return a.picture < b.picture; });
+  for (ResultStage& stage : stages) {  // "03-flap-cut" is the flap cut
+    std::string& n = stage.name;
+    if (n.size() > 3 && n[2] == '-') n = n.substr(3);
+    std::replace(n.begin(), n.end(), '-', ' ');
+  }
+  return stages;
+}
+
+std::string facts_of(const ResultStage& stage, bool of_bones) {
+  std::vector<std::string> facts;
+  if (stage.t_s) facts.push_back(html::quantity(stage.t_s, "s"));
+  if (stage.sutures && *stage.sutures > 0)
+    facts.push_back(std::to_string(*stage.sutures) + (*stage.sutures == 1 ? " suture" : " sutures"));
+  if (stage.residual && (!of_bones || *stage.residual > 0))
+    facts.push_back("residual " + html::number(*stage.residual, 2));
+  return joined(facts, " · ");
+}
+
+}  // namespace
+
+html::Markup story(const ReportSource& source) {
+  const ReportData& d = source.d;
+  html::Markup figures;
+  int k = 0;
+  for (const ResultStage& stage : stages_of(source)) {
+    const std::string number = std::to_string(++k), url = picture_url(source.dir, stage.picture, 960);
+    if (url.empty() && stage.name.empty()) continue;
+    html::Markup caption = html::bold(number + ". " + capital(stage.name));
+    for (const std::string& line : {stage.caption, facts_of(stage, d.of_bones())})
+      if (!line.empty()) caption += html::line_break() + line;
+    figures += html::figure(url, "Stage " + number + ": " + stage.name, caption);
+  }
+  return figures.empty()
+             ? figures
+             : html::section(d.study_rows.empty() ? "The operation, step by step" : "The members, each at rest",
+                             html::story(figures));
+}
+
+}  // namespace limberg::sections

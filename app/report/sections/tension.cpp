@@ -1,0 +1,36 @@
+// Maps that lie on the skin.
+#include "app/report/html.h"
+#include "app/report/report_names.h"
+#include "app/report/sections.h"
+
+namespace limberg::sections {
+
+html::Markup tension(const ReportSource& source) {
+  const ReportData& d = source.d;
+  const std::string url = picture_url(source.dir, d.pictures.tension);
+  if (url.empty()) return {};
+  std::string words =
+      "How far the skin is stretched: the largest principal stretch less one. The tension that it carried before the "
+      "operation is included. Lines part the steps of the scale.";
+  if (const Maybe v = d.metric("stress_p95_kPa")) {
+    words += " Stress: 95th percentile " + html::quantity(v, "kPa");
+    if (const Maybe most = d.metric("stress_max_kPa")) words += ", largest " + html::quantity(most, "kPa");
+    words += ".";
+  }
+  html::Markup more;
+  const auto also = [&](const char* name, const char* alt, const char* what, const char* caption) {
+    if (const std::string u = picture_url(source.dir, name, 720); !u.empty())
+      more += html::figure(u, alt, html::bold(what) + caption);
+  };
+  also(report_names::height, "Map of the skin's height", "What stands up.",
+       " Height over where the skin's surface was before: red above it (dog-ears), blue below.");
+  also(report_names::moved, "Map of the skin's displacement", "How far skin was moved",
+       ", from where the same skin was before.");
+  also(report_names::risk, "Map of the perfusion index", "Perfusion risk",
+       " of undermined skin, by its way to skin that is still attached: dark is far. It orders places and foretells "
+       "nothing.");
+  return html::section("Tension map", html::figure(url, "Map of the skin's stretch", words) +
+                                          (more.empty() ? more : html::titled("More maps", html::story(more))));
+}
+
+}  // namespace limberg::sections
