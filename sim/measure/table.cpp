@@ -172,6 +172,27 @@ const Measure kTable[] = {
     {"perfusion_severed_mm2", "mm²", "severed skin", "undermined skin that no way leads to", "squares of 0.5 mm",
      LIMBERG_OF(m.perfused.severed_mm2)},
 
+    // Bones
+    {.name = "fragments",
+     .unit = "",
+     .words = "pieces of bone",
+     .definition = "fragments of the skull at the end, what was cut out included",
+     .error = "exact",
+     .counts = true,
+     .of_bones = true},
+    {.name = "fragment_moved_max_mm",
+     .unit = "mm",
+     .words = "way of the farthest piece",
+     .definition = "largest distance of a fragment's middle from where it was",
+     .error = "exact",
+     .of_bones = true},
+    {.name = "face_moved_max_mm",
+     .unit = "mm",
+     .words = "largest motion of the face",
+     .definition = "largest distance of a vertex of the face from its place at rest",
+     .error = "the face's mesh, and how near it is to rest",
+     .of_bones = true},
+
     // The solution
     {"min_J", "", "least J", "least det F at the centres of the cells", "one point a cell", LIMBERG_OF(m.min_J)},
     {"inverted_cells",

@@ -30,7 +30,8 @@ struct Measure {
   std::optional<double> (*value)(const Metrics&) = nullptr;  // nothing: the figure does not apply
   Across across = Across::none;
   std::optional<MeasureLimits> limits = {};
-  bool counts = false;  // a whole number of things
+  bool counts = false;    // a whole number of things
+  bool of_bones = false;  // of a head, which fills it in (app/head/report.cpp); no value here
 };
 
 std::span<const Measure> measure_table();

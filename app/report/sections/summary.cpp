@@ -158,7 +158,7 @@ html::Markup key_figures(const ReportData& d) {
   if (residual_of(d))
     cards.push_back({number(*d.residual, 2), "relative residual", "goal " + number(kAtRest),
                      *d.residual <= kAtRest ? Light::good : Light::warn});
-  if (d.distance_mm)
+  if (d.distance_mm && !(d.of_bones() && *d.distance_mm == 0))
     cards.push_back({quantity(d.distance_mm, "mm", 2), "from equilibrium",
                      "estimated by the last frame: the node that is farthest off"});
   return html::cards(cards);

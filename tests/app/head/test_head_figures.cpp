@@ -11,6 +11,7 @@
 #include "app/head/report.h"
 #include "app/head/skull_comparison.h"
 #include "sim/commands/script.h"
+#include "sim/measure/table.h"
 #include "sim/patient/world.h"
 #include "sim/skull/head/head.h"
 #include "sim/skull/simplex/dual.h"
@@ -52,6 +53,21 @@ TEST(HeadMeasures, LengthsAnglesAndAsymmetryBeforeAndNow) {
   }
   EXPECT_EQ(lines, all.size());
   EXPECT_TRUE(found);
+}
+
+TEST(HeadReport, EveryFigureIsInTheTableOfMeasures) {
+  InlineWorkers w;
+  World patient(test::shell_head(), w);
+  Result r("operate", "");
+  fill_head(r, *patient.head());
+  const nlohmann::json metrics = nlohmann::json::parse(r.text()).at("metrics");
+  EXPECT_TRUE(metrics.contains("fragments"));
+  for (const auto& [name, value] : metrics.items()) {
+    const Measure* m = find_measure(name);
+    ASSERT_NE(m, nullptr) << name;
+    EXPECT_TRUE(m->of_bones) << name;
+    EXPECT_EQ(m->counts, value.is_number_integer()) << name;
+  }
 }
 
 TEST(HeadReport, TheLineOfAPairPutsItTogether) {

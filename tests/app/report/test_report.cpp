@@ -129,7 +129,7 @@ TEST_F(Report, StagesSayWhatTheScriptDid) {
 TEST_F(Report, AHeadHasItsOwnWordsAndItsPictures) {
   write_png(dir / "face.png", Image(8, 8));
   const std::string head =
-      R"({"command": "operate", "scene": "craniofacial", "ok": true, "residual": 0, "stages": [{"name": "cut", "residual": 0}],
+      R"({"command": "operate", "scene": "craniofacial", "ok": true, "residual": 0, "distance_mm": 0, "stages": [{"name": "cut", "residual": 0}],
     "metrics": {"fragments": 3, "fragment_moved_max_mm": 8, "face_moved_max_mm": 7.5}, "gallery": [{"picture": "face.png", "caption": "The face after"}],
     "tables": [{"title": "Fragments", "columns": ["fragment"], "rows": [["cranium"]]}], "script": [{"action": "wait"}]})";
   const std::string html = make(head);
@@ -137,7 +137,7 @@ TEST_F(Report, AHeadHasItsOwnWordsAndItsPictures) {
             std::string::npos);
   EXPECT_NE(html.find("<h2>Bones and face</h2>"), std::string::npos);
   EXPECT_NE(html.find("The face after"), std::string::npos);
-  for (const char* of_skin : {"residual", "The closure", "on the skin"})
+  for (const char* of_skin : {"residual", "equilibrium", "The closure", "on the skin"})
     EXPECT_EQ(html.find(of_skin), std::string::npos) << of_skin;
 }
 
