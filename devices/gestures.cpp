@@ -229,7 +229,7 @@ void Gestures::press(int64_t tick, const Pose& pose, const Snapshot& s, EventSin
 }
 
 /// The angle between the skin left of the path and the handle, in the plane across the path: below 90 degrees the
-/// handle leans to the left and the blade's edge lies to the right, as build_incision counts it.
+/// handle leans to the left and the blade's edge lies to the right, as a stroke counts it (drawn_stroke.h).
 void Gestures::add_blade_angle(const Pose& pose, const Vec3& travelled_mm) {
   const Vec3& n = touch_.normal;
   const Vec3 along = travelled_mm - travelled_mm.dot(n) * n;

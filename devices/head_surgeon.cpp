@@ -21,17 +21,6 @@ constexpr double kClose_s = 0.45;                 // a hand closes or opens
 constexpr int32_t kGloveDevice = 101;
 const Vec3 kRest_mm{-150, 190, 40};  // where the hands wait
 
-/// One thing that the hands do.
-struct Act {
-  enum Kind { hold, saw_to, saw_along, press, let_go, carry_tip, reach, close, carry, open, control, next } kind = hold;
-  double seconds = 0;
-  Vec3 to_mm = Vec3::Zero();  // saw_to: on the bone at rest; reach: the pointed place, at rest
-  double height_mm = 0;       // saw_to: above the bone
-  std::vector<Vec3> path;     // saw_along: at rest
-  RigidMove move;             // carry, carry_tip
-  Sample sample;              // of a control or a command
-};
-
 /// A place on the bone as it lies now.
 struct OnBone {
   bool found = false;
@@ -42,6 +31,18 @@ struct OnBone {
 }  // namespace
 
 struct EmulatedHeadSurgeon::Impl {
+  /// One thing that the hands do.
+  struct Act {
+    enum Kind { hold, saw_to, saw_along, press, let_go, carry_tip, reach, close, carry, open, control, next };
+    Kind kind = hold;
+    double seconds = 0;
+    Vec3 to_mm = Vec3::Zero();  // saw_to: on the bone at rest; reach: the pointed place, at rest
+    double height_mm = 0;       // saw_to: above the bone
+    std::vector<Vec3> path;     // saw_along: at rest
+    RigidMove move;             // carry, carry_tip
+    Sample sample;              // of a control or a command
+  };
+
   Impl(std::vector<Command> commands, const SurgeonSettings& s, HeadHands which)
       : script(std::move(commands)),
         set(s),

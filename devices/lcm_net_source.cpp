@@ -22,13 +22,13 @@ namespace {
 constexpr size_t kMostCommands = 10'000;     // of a session
 constexpr int64_t kSilenceNs = 300'000'000;  // longer than packets linger on a network of one room
 
-struct Stream : StreamOrder {
-  int64_t shift = 0;  // of its numbers, since the sender began anew
-};
-
 }  // namespace
 
 struct LcmNetSource::Impl {
+  struct Stream : StreamOrder {
+    int64_t shift = 0;  // of its numbers, since the sender began anew
+  };
+
   Impl(const LcmNetSettings& settings, int64_t start) : start_ns(start), queue(settings.ring) {
     if (!settings.allow_other_networks && settings.url.starts_with("udpm://"))
       local = std::make_unique<LcmLocalLink>(settings.url);

@@ -17,7 +17,9 @@ class InputError : public std::runtime_error {
  private:
   static std::string format(const std::string& file, int line, const std::string& what) {
     if (file.empty()) return what;
-    return file + (line > 0 ? ":" + std::to_string(line) : "") + ": " + what;
+    std::string text = file;
+    if (line > 0) text.append(":").append(std::to_string(line));
+    return text.append(": ").append(what);
   }
   std::string file_;
   int line_;

@@ -95,7 +95,7 @@ void Assembly::changed(FemModel& model, const EarlierModel& before) const {
   model.cells = before.model.cells;
   model.fixed = before.model.fixed;
   model.mass_kg = before.model.mass_kg;
-  model.X_mm.resize(t_.nodes.size());
+  model.X_mm.resize(t_.nodes.size(), Vec3::Zero());
   model.fixed.resize(t_.nodes.size(), 0);
   model.mass_kg.resize(t_.nodes.size(), 0);
   NumberSet nodes(t_.nodes.size());  // whose cells have changed

@@ -3,7 +3,7 @@
 
 #include "sim/base/hash.h"
 #include "sim/cutting/arrangement/fault.h"
-#include "sim/cutting/strokes/stroke_plan.h"
+#include "sim/cutting/strokes/blade_build.h"
 #include "sim/patient/open_stroke.h"
 #include "sim/patient/soft_tissue.h"
 
@@ -59,10 +59,8 @@ Acted<TissueChange> SoftTissue::cut(const Incise& c) {
 
 CutResult SoftTissue::cut_stroke(TissueCut& cut, const std::vector<ChartPoint>& path, double depth_mm, double angle_deg,
                                  bool spline) {
-  const BladeContext context = tissue_.blade_context();
-  return carry_out(
-      plan_stroke(context, path, depth_mm, angle_deg, spline), context,
-      [&](const Blade& blade) { return cut.cut(blade, seed()); }, [&] { cut.take_back_last(); });
+  return cut_whole(tissue_.blade_context(), path, depth_mm, angle_deg, spline,
+                   [&](const Blade& blade) { return cut.cut(blade, seed()); });
 }
 
 Acted<TissueChange> SoftTissue::cut(const Undermine& c) {
@@ -160,23 +158,10 @@ Acted<TissueChange> SoftTissue::cut(const InciseMore& c) {
 }
 
 Acted<TissueChange> SoftTissue::cut_on(bool last) {
-  constexpr size_t kMostCuts = 2000;  // of one act: far more than a path of 2000 points needs
-  const BladeContext context = tissue_.blade_context();
   TissueCut cut(tissue_);
-  for (;;) {
-    const BladeResult blade = stroke_->drawn.next(context, last);
-    if (!blade.blade && blade.reason.empty()) break;
-    if (!blade.blade) return {false, blade.reason};
-    const CutResult made = cut.cut(*blade.blade, seed());
-    if (made.ok())
-      stroke_->drawn.was_cut(made);
-    else if (made.status == CutResult::nothing_to_cut)
-      stroke_->drawn.was_nothing(context);  // over a hole, or along an earlier cut
-    else if (!stroke_->drawn.was_refused())
-      return refusal(made);
-    if (cut.steps().size() > kMostCuts)
-      return {false, "one piece of a stroke makes too many cuts; shorter pieces were expected"};
-  }
+  const CutResult result =
+      stroke_->drawn.cut(tissue_.blade_context(), last, [&](const Blade& blade) { return cut.cut(blade, seed()); });
+  if (result.status == CutResult::refused) return refusal(result);
   if (cut.empty()) return {true, {}};
   Acted<TissueChange> made = finish(cut);
   if (!made.done) return made;

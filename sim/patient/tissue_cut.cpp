@@ -80,11 +80,6 @@ void TissueCut::take_back(Tissue& tissue, std::span<const CutStep> steps) {
     for (int k = 0; k < steps[i].operations; ++k) tissue.arrangement_->undo();
 }
 
-void TissueCut::take_back_last() {
-  back_to(arrangement_.operations() - steps_.back().operations);
-  steps_.pop_back();
-}
-
 bool TissueCut::again(const CutStep& s) {
   const int32_t before = arrangement_.operations();
   if (!s.blade.tri.empty() && !arrangement_.cut(s.blade, s.seed, s.first_try).ok()) return false;

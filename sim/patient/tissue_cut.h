@@ -46,7 +46,6 @@ class TissueCut {
   CutResult cut(const Blade& blade, uint64_t seed, const std::optional<Vec3>& take_out_mm = {});
   /// Takes out what is loose there.
   Outcome take_out(const Vec3& at_mm);
-  void take_back_last();
   /// The same blade, seed and try on the same state; false: other bits came of it, a defect.
   bool again(const CutStep& step);
 

@@ -19,48 +19,48 @@ namespace {
 
 using CellHessian = Eigen::Matrix<double, 24, 24>;
 
-/// A contact as one row: s = w . x along the normal - gap.
-struct ContactRow {
-  Vec3 normal = Vec3::UnitZ();
-  double k = 0, gap = 0, soft = 0;
-  std::vector<std::pair<int32_t, double>> share;  // node, signed weight; each node once
-
-  ContactRow(const Contact& c)
-      : normal(c.normal.cast<double>()),
-        k(double(c.k_N_per_mm) * 1000),
-        gap(double(c.gap_mm)),
-        soft(double(c.soft_mm)) {
-    for (const EmbeddedPoint* p : {&c.a, &c.b}) {
-      const double sum = std::accumulate(p->w.begin(), p->w.end(), 0.0), sign = p == &c.a ? 1 : -1;
-      for (size_t i = 0; i < 8; ++i) {
-        if (p->w[i] == 0) continue;
-        const auto same =
-            std::find_if(share.begin(), share.end(), [&](const auto& s) { return s.first == p->node[i]; });
-        const double w = sign * double(p->w[i]) / sum;
-        same == share.end() ? void(share.push_back({p->node[i], w})) : void(same->second += w);
-      }
-    }
-  }
-  void give_to_masters(const FemModel& m, std::span<const int32_t> hangs) {
-    std::map<int32_t, double> sum;
-    for (const auto& [n, w] : share) {
-      const int32_t at = hangs[size_t(n)];
-      if (at < 0) sum[n] += w;
-      for (size_t j = 0; at >= 0 && j < size_t(m.hanging[size_t(at)].count); ++j)
-        sum[m.hanging[size_t(at)].master[j]] += w * double(m.hanging[size_t(at)].weight[j]);
-    }
-    share.assign(sum.begin(), sum.end());
-  }
-  double clearance(const FemModel& m, std::span<const Vec3> u) const {
-    double s = -gap;
-    for (const auto& [n, w] : share) s += w * normal.dot(m.X_mm[size_t(n)] + u[size_t(n)]);
-    return s;
-  }
-};
-
 }  // namespace
 
 struct ReferenceElasticity::Impl {
+  /// A contact as one row: s = w . x along the normal - gap.
+  struct ContactRow {
+    Vec3 normal = Vec3::UnitZ();
+    double k = 0, gap = 0, soft = 0;
+    std::vector<std::pair<int32_t, double>> share;  // node, signed weight; each node once
+
+    ContactRow(const Contact& c)
+        : normal(c.normal.cast<double>()),
+          k(double(c.k_N_per_mm) * 1000),
+          gap(double(c.gap_mm)),
+          soft(double(c.soft_mm)) {
+      for (const EmbeddedPoint* p : {&c.a, &c.b}) {
+        const double sum = std::accumulate(p->w.begin(), p->w.end(), 0.0), sign = p == &c.a ? 1 : -1;
+        for (size_t i = 0; i < 8; ++i) {
+          if (p->w[i] == 0) continue;
+          const auto same =
+              std::find_if(share.begin(), share.end(), [&](const auto& s) { return s.first == p->node[i]; });
+          const double w = sign * double(p->w[i]) / sum;
+          same == share.end() ? void(share.push_back({p->node[i], w})) : void(same->second += w);
+        }
+      }
+    }
+    void give_to_masters(const FemModel& m, std::span<const int32_t> hangs) {
+      std::map<int32_t, double> sum;
+      for (const auto& [n, w] : share) {
+        const int32_t at = hangs[size_t(n)];
+        if (at < 0) sum[n] += w;
+        for (size_t j = 0; at >= 0 && j < size_t(m.hanging[size_t(at)].count); ++j)
+          sum[m.hanging[size_t(at)].master[j]] += w * double(m.hanging[size_t(at)].weight[j]);
+      }
+      share.assign(sum.begin(), sum.end());
+    }
+    double clearance(const FemModel& m, std::span<const Vec3> u) const {
+      double s = -gap;
+      for (const auto& [n, w] : share) s += w * normal.dot(m.X_mm[size_t(n)] + u[size_t(n)]);
+      return s;
+    }
+  };
+
   const FemModel& m;
   std::vector<Spring> springs;
   std::vector<ContactRow> contacts;
@@ -269,7 +269,7 @@ struct ReferenceElasticity::Impl {
         for (int k = 0; k < 3; ++k) value[place(j, e, k, k)] += r.k_mN_per_mm * r.w[size_t(a)] * r.w[size_t(b)];
       }
     for (size_t c = 0; c < contacts.size(); ++c) {
-      const ContactRow& pressed = contacts[c];
+      const auto& pressed = contacts[c];
       const double slope = fem::contact_push(pressed.clearance(m, u), pressed.k, pressed.soft).slope;
       if (!(slope > 0)) continue;
       for (auto [a, b, e] : contact_entry[c]) {
@@ -310,7 +310,7 @@ ReferenceElasticity::ReferenceElasticity(const FemModel& model, std::span<const 
   p.springs.assign(springs.begin(), springs.end());
   p.contacts.assign(contacts.begin(), contacts.end());
   if (const std::vector<int32_t> hangs = fem::hanging_index(model); !hangs.empty())
-    for (ContactRow& c : p.contacts) c.give_to_masters(model, hangs);
+    for (auto& c : p.contacts) c.give_to_masters(model, hangs);
 }
 ReferenceElasticity::~ReferenceElasticity() = default;
 
@@ -337,7 +337,7 @@ Eigen::MatrixXd ReferenceElasticity::dense_hessian(std::span<const Vec3> u, bool
       for (size_t b = 0; b < r.node.size(); ++b)
         H.block<3, 3>(3 * r.node[a], 3 * r.node[b]) += r.k_mN_per_mm * r.w[a] * r.w[b] * Mat3::Identity();
   }
-  for (const ContactRow& c : p.contacts) {
+  for (const auto& c : p.contacts) {
     const double slope = fem::contact_push(c.clearance(p.m, u), c.k, c.soft).slope;
     if (!(slope > 0)) continue;
     for (const auto& [i, wi] : c.share)

@@ -83,6 +83,9 @@ bool attach_start(const BladeContext& c, const WoundMap& wounds, std::vector<Vec
   // A point right beside the wall would turn the blade along it.
   while (next + 1 < path.size() && (path[next] - *wall).norm() < 1.5 * kEndClearance) ++next;
   const Vec2 past = end_past(c, wounds, path[next], *wall, overshoot);
+  // Beside a wall that the stroke goes along, the place past it lies ahead: the stroke would have to double back.
+  if (next == 0 && path.size() > 1 && (past - path[0]).normalized().dot(heading_at_start(path, 2)) < kDoublesBack)
+    return false;
   path.erase(path.begin(), path.begin() + long(next));
   path.insert(path.begin(), past);
   return true;

@@ -45,15 +45,6 @@ struct BladeContext {
   GradientQuery gradient = {};  // empty: the skin lies as at rest
 };
 
-/// A strip under a polyline. angle_deg is measured between blade and skin in the plane across the path; below 90 the
-/// blade leans so that its edge lies to the right of the path (seen from outside, walking along it).
-/// A path whose last point equals its first (within 0.1 mm) is a closed loop without floor. An end that lies within
-/// kSnap of the open end of an earlier stroke's wall goes on from there and shares its edge, where `joins` lets it.
-/// One blade for a path that does not cross itself; for any stroke see stroke_plan.h.
-enum class Joins : uint8_t { any, at_end, none };
-BladeResult build_incision(const BladeContext& context, std::span<const ChartPoint> path, double depth_mm,
-                           double angle_deg = 90, Joins joins = Joins::any);
-
 /// Walls and floor under a closed outline as one open box: what excision cuts. The outline need not repeat its first
 /// point.
 BladeResult build_plug(const BladeContext& context, std::span<const ChartPoint> outline, double depth_mm);

@@ -10,9 +10,7 @@ namespace limberg {
 
 namespace {
 
-constexpr double kRow = 2.5;            // new rows are not higher
-constexpr double kAlong = 0.9;          // cosine between a stroke and the wall that it runs along
-constexpr double kDoublesBack = -0.96;  // cosine: a stroke that leaves an end by turning back along its wall
+constexpr double kAlong = 0.9;  // cosine between a stroke and the wall that it runs along
 
 }  // namespace
 
@@ -46,7 +44,7 @@ StripSide side_of_wall(Blade& blade, const BladeContext& c, const WallColumn& co
   if (!at_foot || last >= to - kSameDepth) return side;
   // New points are named by their column, so that both strips beside it have the same.
   const int32_t name = -2 - column.point.back().point;
-  const int rows = std::max(1, int(std::ceil((to - last) / kRow)));
+  const int rows = std::max(1, int(std::ceil((to - last) / kRowHeight)));
   for (int r = 1; r <= rows; ++r) {
     const double level = last + (to - last) * r / rows;
     const auto it =

@@ -20,7 +20,7 @@ struct StripSide {
 StripSide side_of_wall(Blade& blade, const BladeContext& context, const WallColumn& column, double from, double to,
                        std::vector<std::pair<int32_t, int32_t>>& known);
 
-/// Triangles between two sides, left before right along the stroke, oriented as add_strip does. Seeds 1 where they
+/// Triangles between two sides, left before right along the stroke, oriented as the quads of a strip. Seeds 1 where they
 /// cross the skin; `seed_top` for those at the upper ends of both sides.
 void add_between(Blade& blade, const StripSide& left, const StripSide& right, uint8_t seed_other, uint8_t seed_top);
 

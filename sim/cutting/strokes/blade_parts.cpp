@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/cutting/strokes/pull_back.h"
+
 namespace limberg {
 
 namespace {
@@ -116,7 +118,7 @@ double leg_end(std::span<const Vec2> path, double lean, double depth_mm, double 
 
 std::vector<Vec2> leg_of(std::span<const Vec2> path, double to) {
   std::vector<Vec2> leg = part_of(path, 0, to);
-  leg.back() += (leg.back() - leg[leg.size() - 2]).normalized() * kEndClearance;
+  leg.push_back(leg.back() + (leg.back() - leg[leg.size() - 2]).normalized() * kEndClearance);
   return leg;
 }
 
@@ -132,8 +134,39 @@ double overshoot_of(const BladeContext& c) {
   return c.body->is_box ? kOvershoot : 2.5 * kOvershoot;
 }
 
-int add_strip(Blade& blade, const BladeContext& c, std::span<const Column> columns, std::span<const Vec3> direction,
-              double depth, bool closed) {
+std::vector<double> leans_at_rest(const BladeContext& c, std::span<const Vec2> path, std::span<const Column> columns,
+                                  double lean) {
+  const size_t n = columns.size(), segments = n - 1;
+  std::vector<double> out(segments, lean);
+  if (!c.gradient) return out;
+  std::vector<Mat3> F(n, Mat3::Identity());
+  bool any = false;
+  for (size_t i = 0; i < n; ++i)
+    if (const auto hit = c.skin(path[i]); hit && (!c.arrangement || skin_is_live(c, path[i]))) {
+      F[i] = c.gradient(*hit);
+      any = any || (F[i] - Mat3::Identity()).norm() >= kAsAtRest;
+    }
+  if (!any) return out;
+  std::vector<Vec3> way(segments), middle(segments);
+  std::vector<double> raw(segments);
+  for (size_t s = 0; s < segments; ++s) {
+    const size_t t = s + 1;
+    const Vec3 normal = (columns[s].normal + columns[t].normal).normalized(), d = columns[t].X - columns[s].X;
+    way[s] = (d - d.dot(normal) * normal).normalized();
+    middle[s] = (columns[s].X + columns[t].X) / 2;
+    raw[s] = aside_at_rest((F[s] + F[t]) / 2, normal, way[s], lean).dot(way[s].cross(normal));
+  }
+  for (size_t s = 0; s < segments; ++s) {
+    double sum = 0, weight = 0;
+    for (size_t t = 0; t < segments; ++t)
+      if ((middle[s] - middle[t]).norm() < 3 && way[s].dot(way[t]) > 0.94) sum += raw[t], weight += 1;
+    out[s] = sum / weight;
+  }
+  return out;
+}
+
+int add_ring(Blade& blade, const BladeContext& c, std::span<const Column> columns, std::span<const Vec3> direction,
+             double depth) {
   const size_t n = columns.size();
   const double margin = margin_of(c), total = depth + margin;
   const int rows = std::max(2, int(std::ceil(total / kRowHeight)));
@@ -144,23 +177,15 @@ int add_strip(Blade& blade, const BladeContext& c, std::span<const Column> colum
     for (int r = 0; r <= rows; ++r)
       blade.vertex.push_back(c.body->grid.to_grid(columns[i].X + direction[i] * level(r)));
   const auto id = [&](size_t i, int r) { return int32_t(i % n) * (rows + 1) + r; };
-  for (size_t i = 0; i + (closed ? 0 : 1) < n; ++i)
+  for (size_t i = 0; i < n; ++i)
     for (int r = 0; r < rows; ++r) {
       const auto uv = [&](size_t k, int q) { return Eigen::Vector2f(float(arc[k]), float(level(q))); };
-      // Diagonals rise away from both ends: no triangle then has all three corners on the blade's free border.
       const size_t j = i + 1;
-      if (2 * j > n) {
-        blade.tri.push_back({id(i, r), id(i, r + 1), id(j, r + 1)});
-        blade.uv_mm.push_back({uv(i, r), uv(i, r + 1), uv(j, r + 1)});
-        blade.tri.push_back({id(i, r), id(j, r + 1), id(j, r)});
-        blade.uv_mm.push_back({uv(i, r), uv(j, r + 1), uv(j, r)});
-      } else {
-        blade.tri.push_back({id(i, r), id(i, r + 1), id(j, r)});
-        blade.uv_mm.push_back({uv(i, r), uv(i, r + 1), uv(j, r)});
-        blade.tri.push_back({id(i, r + 1), id(j, r + 1), id(j, r)});
-        blade.uv_mm.push_back({uv(i, r + 1), uv(j, r + 1), uv(j, r)});
-      }
-      // Shallow strips have a second row that begins above the skin.
+      blade.tri.push_back({id(i, r), id(i, r + 1), id(j, r)});
+      blade.uv_mm.push_back({uv(i, r), uv(i, r + 1), uv(j, r)});
+      blade.tri.push_back({id(i, r + 1), id(j, r + 1), id(j, r)});
+      blade.uv_mm.push_back({uv(i, r + 1), uv(j, r + 1), uv(j, r)});
+      // A shallow ring has a second row that begins above the skin.
       blade.seed.push_back(level(r) <= 0);
       blade.seed.push_back(level(r) <= 0);
     }

@@ -40,7 +40,7 @@ inline constexpr std::array<double, 3> kStiffness{0, 0.6, 1};  // tried in turn
 /// itself where the tissue lies as at rest; else what comes of it there, evened out over 3 mm of nearly straight path,
 /// because cells are as large.
 std::vector<double> leans_at_rest(const BladeContext& context, std::span<const Vec2> path,
-                                  std::span<const Column> columns, double lean, bool closed);
+                                  std::span<const Column> columns, double lean);
 
 /// The first corner of a path, behind `after` along it, into which a blade leans so far that it would run through
 /// itself there: its place along the path, or -1. The stroke is made in legs, each with its own lean to its end: one
@@ -62,11 +62,14 @@ double margin_of(const BladeContext& context);
 /// How far past a wall a joining stroke is pushed.
 double overshoot_of(const BladeContext& context);
 
-/// Adds an upright or leaning strip: columns x rows of quads from above the skin to `depth` below, seeds 1 in the row
-/// that crosses the skin. direction[i] points into the tissue, its length is the way along the blade per mm of depth.
+/// Adds a closed ring: columns x rows of quads from above the skin to `depth` below, seeds 1 in the row that crosses the
+/// skin. direction[i] points into the tissue, its length is the way along the blade per mm of depth.
 /// Vertex of column i, row r: i * (rows + 1) + r. Returns the number of rows.
-int add_strip(Blade& blade, const BladeContext& context, std::span<const Column> columns,
-              std::span<const Vec3> direction, double depth, bool closed);
+int add_ring(Blade& blade, const BladeContext& context, std::span<const Column> columns,
+             std::span<const Vec3> direction, double depth);
+
+/// Cosine: a stroke that leaves a wall by turning back along its own way.
+inline constexpr double kDoublesBack = -0.96;
 
 /// Lets a stroke's first point end on an earlier cut when it was meant to. True when path[0] now lies past a wall.
 bool attach_start(const BladeContext& context, const WoundMap& wounds, std::vector<Vec2>& path, double overshoot);

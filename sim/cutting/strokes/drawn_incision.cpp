@@ -13,7 +13,6 @@ namespace limberg {
 
 namespace {
 
-constexpr double kLeast = 0.3;      // of a quad, in shares of kSpacing
 constexpr double kBeforeLeg = 2.0;  // mm: so much of a leg is left for its last piece
 constexpr double kFold = 0.7;       // of a quad's length: how far its edge may run back
 constexpr int kAsideUnits = 64;     // of the even grid: 8 micrometres
@@ -54,7 +53,7 @@ double DrawnIncision::lean() const {
   return std::cos(angle) / std::sin(angle);
 }
 
-/// Columns on every corner of the path and every kSpacing between; no quad is shorter than kLeast unless an edge is.
+/// Columns on every corner of the path and between, equally far apart on a segment, at most kSpacing.
 /// A column depends on what lies before it and less than a hold after it. `corner_arc`: corners at which the blade
 /// turns upright, those before the path going in and those of the path coming out.
 std::vector<DrawnIncision::Place> DrawnIncision::places(std::span<const Vec2> path, double arc,
@@ -64,8 +63,8 @@ std::vector<DrawnIncision::Place> DrawnIncision::places(std::span<const Vec2> pa
   for (size_t i = 1; i < path.size(); ++i) {
     const Vec2 d = path[i] - path[i - 1];
     const double length = d.norm();
-    for (int k = 1; length - k * kSpacing >= kLeast * kSpacing; ++k)
-      out.push_back({path[i - 1] + d * (k * kSpacing / length), arc + k * kSpacing, 1});
+    const int quads = std::max(1, int(std::ceil(length / kSpacing - 1e-9)));
+    for (int k = 1; k < quads; ++k) out.push_back({path[i - 1] + d * (double(k) / quads), arc + length * k / quads, 1});
     arc += length;
     way += length;
     out.push_back({path[i], arc, 1});
@@ -80,9 +79,9 @@ std::vector<DrawnIncision::Place> DrawnIncision::places(std::span<const Vec2> pa
     const double sine = a.x() * b.y() - a.y() * b.x(), cosine = a.dot(b);  // sine > 0: to the left
     const double inside = sine * lean() < 0 ? depth_ + 2 * kWallExtra : 1.1 * kMargin;
     const double back = std::abs(sine) / std::max(1 + cosine, 0.1) * std::abs(lean()) * inside;
-    const double last = arc - out[out.size() - 2].arc, next = e.norm() < (1 + kLeast) * kSpacing ? e.norm() : kSpacing;
+    const double last = length / quads, next = e.norm() / std::max(1.0, std::ceil(e.norm() / kSpacing - 1e-9));
     // On a curve it runs back at both ends of one quad.
-    const bool folds = length < (1 + kLeast) * kSpacing && back + back_before > length;
+    const bool folds = quads == 1 && back + back_before > length;
     if (folds || back > kFold * std::min(last, next)) corner_arc.push_back(arc);
     back_before = back;
   }
@@ -162,128 +161,138 @@ size_t DrawnIncision::uncrossed(std::span<const Place> place, size_t first, size
   return std::max(end + 1, first + 2);
 }
 
+/// The end of the path is settled on the part behind column `hold`, the same one however the path was divided: it goes
+/// on from an earlier wall's end, or is pushed through a wall, or stays.
+void DrawnIncision::settle_end(const BladeContext& c, std::span<const Vec2> path, size_t hold,
+                               std::vector<double>& corner, Way& way) const {
+  std::vector<Vec2> tail{way.place[hold].at};
+  const double from = way.place[hold].arc;
+  double arc = 0;
+  for (size_t i = 1; i < path.size(); ++i) {
+    arc += (path[i] - path[i - 1]).norm();
+    if (arc > from + 1e-9) tail.push_back(path[i]);
+  }
+  if (tail.size() > 1 && c.arrangement) {
+    std::reverse(tail.begin(), tail.end());
+    const WallMap walls(c);
+    const int32_t own_end = end_point_.empty() ? -1 : end_point_[0];
+    const int32_t join = may_join_end_ ? join_start(walls, tail, depth_ + extra_, own_end) : -1;
+    if (join >= 0 && !(start_wall_ && start_wall_->point[0].point == walls.columns()[size_t(join)].point[0].point))
+      way.end_wall = walls.columns()[size_t(join)];
+    else
+      way.past_end = attach_start(c, WoundMap(c), tail, overshoot_);
+    std::reverse(tail.begin(), tail.end());
+  }
+  if (tail.size() > 1) {
+    std::erase_if(corner, [&](double at) { return at > from; });
+    const std::vector<Place> rest = places(tail, from, corner);
+    way.place.resize(hold);
+    way.place.insert(way.place.end(), rest.begin(), rest.end());
+  }
+  // A quad that is pushed through a wall is no seed, and one between two walls' ends has no column of its own: at
+  // least one other is needed.
+  const size_t free_ends =
+      (committed_ == 0 && past_start_) + size_t(way.past_end) + (way.end_wall && committed_ == 0 && start_wall_);
+  while (way.place.size() >= 2 && way.place.size() - 1 - way.first < 1 + free_ends) {
+    Place middle;
+    middle.at = (way.place[way.place.size() - 2].at + way.place.back().at) / 2;
+    middle.arc = (way.place[way.place.size() - 2].arc + way.place.back().arc) / 2;
+    way.place.insert(way.place.end() - 1, middle);
+  }
+  way.count = way.place.size();
+}
+
+/// The columns of the next piece; count 0: none can be cut yet.
+DrawnIncision::Way DrawnIncision::way_ahead(const BladeContext& c, bool last) const {
+  Way way;
+  // Where the stroke leans into a sharp corner the leg ends, as soon as that is settled.
+  std::vector<Vec2> path = path_;
+  way.leg = leg_end(path_, lean(), depth_);
+  const double before_leg = way.leg < 0 ? 1e300 : way.leg - kBeforeLeg;
+  if (way.leg >= 0 && !last && path_length(path_) < way.leg + hold_mm()) way.leg = -1;
+  if (way.leg >= 0) path = leg_of(path_, way.leg), last = true;
+  std::vector<double> corner;
+  way.place = places(path, 0, corner);
+  way.first = committed_ > 0 ? committed_ - 1 : 0;
+  // The last column that may be final: a hold before the end, and before a hole that the path has not come out of.
+  size_t end = way.place.size() - 1;
+  while (c.arrangement && end > committed_ && !skin_is_live(c, way.place[end].at)) --end;
+  size_t hold = end;
+  while (hold > 0 && way.place[hold].arc > way.place[end].arc - hold_mm()) --hold;
+  hold = std::max(hold, way.first);
+  while (!last && hold > way.first && way.place[hold].arc > before_leg) --hold;
+  way.count = last ? way.place.size() : hold + 1;
+  const size_t simple = uncrossed(way.place, way.first, way.count);
+  const bool turns_back = simple < way.count;
+  way.closing = last && !turns_back;
+  if (turns_back) way.count = simple;
+  if (way.closing) settle_end(c, path, hold, corner, way);
+  if (way.count < way.first + (way.closing || turns_back ? 2 : 3)) way.count = 0;
+  return way;
+}
+
+/// The blade over the columns of `way`, as near to what is asked as goes: a leaning piece that cannot be divided any
+/// more turns upright, under a strongly curved skin its columns turn parallel. Nothing: it would run through itself.
+std::optional<Blade> DrawnIncision::embedded(const BladeContext& c, const Way& way) {
+  const bool may_turn_upright = lean() != 0 && way.count <= way.first + 3;
+  for (const double most_share : {1.0, 0.5, 0.0}) {
+    if (most_share < 1 && !may_turn_upright) break;
+    std::vector<Place> upright = way.place;
+    for (size_t i = way.first + 1; i < upright.size(); ++i) upright[i].share = std::min(upright[i].share, most_share);
+    for (const double stiffness : kStiffness) {
+      std::vector<Column> held = offered_.column;
+      const std::vector<Column> stiff = stiffened(std::span(held).subspan(way.first), stiffness);
+      std::copy(stiff.begin(), stiff.end(), held.begin() + long(way.first));
+      Blade blade = strip(c, std::span(held).first(way.count), directions(c, held, upright, way.first), way);
+      if (check_embedded(blade.vertex, blade.tri).empty()) return blade;
+    }
+  }
+  return std::nullopt;
+}
+
 BladeResult DrawnIncision::next(const BladeContext& c, bool last) {
   if (finished_) return {};
   if (!begin(c, last))
     return last ? refuse("nothing of the stroke lies on uncut skin, or it is shorter than 1 mm") : BladeResult{};
-  // Where the stroke leans into a sharp corner the leg ends, as soon as that is settled.
-  std::vector<Vec2> path = path_;
-  double leg = leg_end(path_, lean(), depth_);
-  const double before_leg = leg < 0 ? 1e300 : leg - kBeforeLeg;
-  if (leg >= 0 && !last && path_length(path_) < leg + hold_mm()) leg = -1;
-  if (leg >= 0) path = leg_of(path_, leg), last = true;
-  std::vector<double> corner;
-  std::vector<Place> place = places(path, 0, corner);
-  const size_t first = committed_ > 0 ? committed_ - 1 : 0;
-  // The last column that may be final: a hold before the end, and before a hole that the path has not come out of.
-  size_t end = place.size() - 1;
-  while (c.arrangement && end > committed_ && !skin_is_live(c, place[end].at)) --end;
-  size_t hold = end;
-  while (hold > 0 && place[hold].arc > place[end].arc - hold_mm()) --hold;
-  hold = std::max(hold, first);
-  while (!last && hold > first && place[hold].arc > before_leg) --hold;
-  size_t count = last ? place.size() : hold + 1;  // columns to be cut by now
-  const size_t simple = uncrossed(place, first, count);
-  const bool turns_back = simple < count;
-  bool closing = last && !turns_back, past_end = false;
-  std::optional<WallColumn> end_wall;
-  if (turns_back) {
-    count = simple;
-  } else if (last) {
-    // The end is settled on the part behind `hold`, the same one however the path was divided.
-    std::vector<Vec2> tail{place[hold].at};
-    double arc = 0;
-    for (size_t i = 1; i < path.size(); ++i) {
-      arc += (path[i] - path[i - 1]).norm();
-      if (arc > place[hold].arc + 1e-9) tail.push_back(path[i]);
-    }
-    if (tail.size() > 1 && c.arrangement) {
-      std::reverse(tail.begin(), tail.end());
-      const WallMap walls(c);
-      const int32_t own_end = end_point_.empty() ? -1 : end_point_[0];
-      const int32_t join = may_join_end_ ? join_start(walls, tail, depth_ + extra_, own_end) : -1;
-      if (join >= 0 && !(start_wall_ && start_wall_->point[0].point == walls.columns()[size_t(join)].point[0].point))
-        end_wall = walls.columns()[size_t(join)];
-      else
-        past_end = attach_start(c, WoundMap(c), tail, overshoot_);
-      std::reverse(tail.begin(), tail.end());
-    }
-    if (tail.size() > 1) {
-      std::erase_if(corner, [&](double at) { return at > place[hold].arc; });
-      const std::vector<Place> rest = places(tail, place[hold].arc, corner);
-      place.resize(hold);
-      place.insert(place.end(), rest.begin(), rest.end());
-    }
-    // A quad that is pushed through a wall is no seed, and one between two walls' ends has no column of its own: at
-    // least one other is needed.
-    const size_t free_ends =
-        (committed_ == 0 && past_start_) + size_t(past_end) + (end_wall && committed_ == 0 && start_wall_);
-    while (place.size() >= 2 && place.size() - 1 - first < 1 + free_ends) {
-      Place middle;
-      middle.at = (place[place.size() - 2].at + place.back().at) / 2;
-      middle.arc = (place[place.size() - 2].arc + place.back().arc) / 2;
-      place.insert(place.end() - 1, middle);
-    }
-    count = place.size();
-  }
-  if (count < first + (closing || turns_back ? 2 : 3)) return {};
-
-  // A few columns more than are cut give the last ones their direction.
-  Piece& o = offered_;
-  Blade blade;
-  bool embedded = false;
+  Way way = way_ahead(c, last);
+  if (way.count == 0) return {};
+  std::optional<Blade> blade;
   for (;;) {
-    o = Piece{};
-    o.column = column_;
-    o.arc_mm = arc_mm_;
-    for (size_t i = column_.size(); i < place.size() && i < count + 3; ++i) {
-      const auto k = column_at(c, place[i].at);
-      if (!k && i > count) break;
+    // A few columns more than are cut give the last ones their direction.
+    offered_ = Piece{};
+    offered_.column = column_;
+    offered_.arc_mm = arc_mm_;
+    for (size_t i = column_.size(); i < way.place.size() && i < way.count + 3; ++i) {
+      const auto k = column_at(c, way.place[i].at);
+      if (!k && i > way.count) break;
       if (!k) return refuse("the stroke leaves the skin");
-      o.arc_mm.push_back(i == 0 ? 0 : o.arc_mm.back() + (k->X - o.column.back().X).norm());
-      o.column.push_back(*k);
+      offered_.arc_mm.push_back(i == 0 ? 0 : offered_.arc_mm.back() + (k->X - offered_.column.back().X).norm());
+      offered_.column.push_back(*k);
     }
-    // A leaning piece that cannot be divided any more turns upright.
-    for (const double most_share : {1.0, 0.5, 0.0}) {
-      if (embedded || (most_share < 1 && (lean() == 0 || count > first + 3))) break;
-      std::vector<Place> upright = place;
-      for (size_t i = first + 1; i < upright.size(); ++i) upright[i].share = std::min(upright[i].share, most_share);
-      for (const double stiffness : kStiffness) {
-        if (embedded) break;
-        std::vector<Column> held = o.column;
-        const std::vector<Column> stiff = stiffened(std::span(o.column).subspan(first), stiffness);
-        std::copy(stiff.begin(), stiff.end(), held.begin() + long(first));
-        blade = strip(c, std::span(held).first(count), directions(c, held, upright, first), first, closing,
-                      closing && end_wall ? &*end_wall : nullptr);
-        embedded = check_embedded(blade.vertex, blade.tri).empty();
-      }
-    }
+    blade = embedded(c, way);
+    if (blade || way.count <= way.first + 3) break;
     // What runs through itself is divided: the first half of it may not, and the second half crosses a wall then.
-    if (embedded || count <= first + 3) break;
-    count = first + std::max<size_t>(2, (count - first) / 2);
-    closing = past_end = false;
-    end_wall.reset();
+    way.count = way.first + std::max<size_t>(2, (way.count - way.first) / 2);
+    way.closing = way.past_end = false;
+    way.end_wall.reset();
   }
-  if (!embedded) {
-    if (closing && end_wall) {
-      may_join_end_ = false;
-      return next(c, last);
-    }
+  offered_.joins_start = way.first == 0 && start_wall_.has_value();
+  offered_.joins_end = way.closing && way.end_wall.has_value();
+  if (!blade) {
+    if (was_refused()) return next(c, last);
     return refuse("the blade would run through itself; expected a straighter path or less depth");
   }
   const size_t per_column = size_t(rows_) * 2;
-  for (size_t i = 0; i < per_column && first == 0 && past_start_; ++i) blade.seed[i] = 0;
-  for (size_t i = 0; i < per_column && past_end; ++i) blade.seed[blade.seed.size() - 1 - i] = 0;
-  if (std::string why = fits_grid(c, blade); !why.empty()) return refuse(why);
-  o.end = count;
-  o.end_at = place[count - 1].at;
-  o.end_arc = place[count - 1].arc;
-  o.closing = closing;
-  if (closing) o.leg = leg;
-  o.joins_start = first == 0 && start_wall_.has_value();
-  o.joins_end = closing && end_wall.has_value();
-  o.column.resize(count);
-  o.arc_mm.resize(count);
+  for (size_t i = 0; i < per_column && way.first == 0 && past_start_; ++i) blade->seed[i] = 0;
+  for (size_t i = 0; i < per_column && way.past_end; ++i) blade->seed[blade->seed.size() - 1 - i] = 0;
+  if (std::string why = fits_grid(c, *blade); !why.empty()) return refuse(why);
+  offered_.end = way.count;
+  offered_.end_at = way.place[way.count - 1].at;
+  offered_.end_arc = way.place[way.count - 1].arc;
+  offered_.closing = way.closing;
+  if (way.closing) offered_.leg = way.leg;
+  offered_.column.resize(way.count);
+  offered_.arc_mm.resize(way.count);
   return {std::move(blade), {}};
 }
 
@@ -295,10 +304,10 @@ std::vector<Vec3> DrawnIncision::directions(const BladeContext& c, std::span<con
   size_t from = first;
   while (from > 0 && place[first].arc - place[from].arc < 4.5) --from;
   std::vector<double> leans(n - 1, lean());
-  if (c.gradient && lean() != 0) {
+  if (c.gradient) {
     std::vector<Vec2> way;
     for (size_t i = from; i < n; ++i) way.push_back(place[i].at);
-    const std::vector<double> near = leans_at_rest(c, way, column.subspan(from), lean(), false);
+    const std::vector<double> near = leans_at_rest(c, way, column.subspan(from), lean());
     std::copy(near.begin(), near.end(), leans.begin() + long(from));
   }
   const auto right_of = [&](size_t a, size_t b, size_t i) {
@@ -315,11 +324,14 @@ std::vector<Vec3> DrawnIncision::directions(const BladeContext& c, std::span<con
   return out;
 }
 
-/// Columns x rows of quads, as in add_strip; the first column is that of the committed blade if there is one, the first
+/// Columns x rows of quads, from above the skin down; the first column is that of the committed blade if there is one, the first
 /// and the last may be those of earlier walls. `closing`: the diagonals of the last quads rise towards the blade's end,
 /// so that no triangle lies wholly on its free border.
 Blade DrawnIncision::strip(const BladeContext& c, std::span<const Column> column, std::span<const Vec3> direction,
-                           size_t first, bool closing, const WallColumn* end) {
+                           const Way& way) {
+  const size_t first = way.first;
+  const bool closing = way.closing;
+  const WallColumn* const end = closing && way.end_wall ? &*way.end_wall : nullptr;
   Blade blade;
   blade.strip = true;
   const double total = depth_ + extra_ + margin_;

@@ -26,7 +26,7 @@ class DrawnIncision {
   // more for a leaning blade: the quad behind a corner tells whether it can turn
   static constexpr double kHoldLeaning = 2.0;
 
-  /// angle_deg as for build_incision.
+  /// angle_deg as for DrawnStroke.
   DrawnIncision(double depth_mm, double angle_deg) : depth_(depth_mm), angle_deg_(angle_deg) {}
 
   /// The path so far, at least one point: the one of before and what has come since. Its last hold may have changed.
@@ -70,8 +70,20 @@ class DrawnIncision {
   void end_leg();
   double lean() const;
   double hold_mm() const { return angle_deg_ == 90 ? kHold : kHold + kHoldLeaning; }
+  /// The columns of a piece: those in [first, count) are cut, `first` is the last of the piece before.
+  struct Way {
+    std::vector<Place> place;
+    size_t first = 0, count = 0;
+    bool closing = false, past_end = false;  // the path ends with it; ... and lies past a wall
+    std::optional<WallColumn> end_wall;      // or goes on from this one
+    double leg = -1;                         // closing: the corner behind which the next leg begins, along the path
+  };
+  Way way_ahead(const BladeContext& context, bool last) const;
+  void settle_end(const BladeContext& context, std::span<const Vec2> path, size_t hold, std::vector<double>& corner,
+                  Way& way) const;
+  std::optional<Blade> embedded(const BladeContext& context, const Way& way);
   Blade strip(const BladeContext& context, std::span<const Column> columns, std::span<const Vec3> direction,
-              size_t first, bool closing, const WallColumn* end);
+              const Way& way);
   void begin_again(const Vec2& at, double arc);
 
   double depth_, angle_deg_;

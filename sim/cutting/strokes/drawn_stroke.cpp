@@ -25,6 +25,25 @@ Vec2 point_at(std::span<const Vec2> path, double arc) {
   return p.empty() ? path.back() : p.front();
 }
 
+/// Where a path comes nearest to a point between two of its arc lengths, if within kSnap.
+struct Passage {
+  double arc = 0, distance = kSnap;
+  Vec2 foot = Vec2::Zero();
+};
+std::optional<Passage> passage_by(std::span<const Vec2> path, const Vec2& point, double from, double to) {
+  std::optional<Passage> best;
+  double arc = 0;
+  for (size_t i = 0; i + 1 < path.size(); ++i) {
+    const Vec2 d = path[i + 1] - path[i];
+    const double l = d.norm(), t = l > 0 ? std::clamp((point - path[i]).dot(d) / (l * l), 0.0, 1.0) : 0;
+    const Vec2 foot = path[i] + t * d;
+    const double here = arc + t * l, distance = (foot - point).norm();
+    if (here > from && here < to && distance <= (best ? best->distance : kSnap)) best = {here, distance, foot};
+    arc += l;
+  }
+  return best;
+}
+
 }  // namespace
 
 std::string DrawnStroke::draw(const BladeContext& c, std::span<const ChartPoint> points) {
@@ -125,6 +144,22 @@ BladeResult DrawnStroke::deepen(const BladeContext& c, const Stretch& s) {
   return {};
 }
 
+/// The end is where it was drawn. One that was drawn past the stroke's own beginning ends there: across its first part,
+/// or by it within kSnap.
+void DrawnStroke::settle_end(const BladeContext& c) {
+  while (path_.size() > 1 && (path_.back() - end_).norm() < kKnot) path_.pop_back();
+  if (path_.back() != end_ && column_at(c, end_)) path_.push_back(end_);
+  const double length = length_mm();
+  if (path_.size() <= 3 || length < kShortestLoop) return;
+  for (const SelfCrossing& x : self_crossings(path_))
+    if (x.first <= kPastStart && x.second >= length - kPastStart) {
+      path_ = part_of(path_, any_cut_ ? 0 : x.first, x.second);
+      if (!any_cut_) start_ = path_.back() = path_[0];
+      return;
+    }
+  if (const auto by = passage_by(path_, path_[0], length - kPastStart, length)) path_ = part_of(path_, 0, by->arc);
+}
+
 BladeResult DrawnStroke::next(const BladeContext& c, bool last) {
   offered_ = none;
   if (path_.empty()) return last ? refuse("the stroke has no points") : BladeResult{};
@@ -133,17 +168,9 @@ BladeResult DrawnStroke::next(const BladeContext& c, bool last) {
     level_ = depth_ + wall_extra(c);
     start_ = path_[0];
   }
-  if (last && !over_) {  // an end drawn past the beginning
+  if (last && !over_) {
     over_ = true;
-    while (path_.size() > 1 && (path_.back() - end_).norm() < kKnot) path_.pop_back();  // the end is where it was drawn
-    if (path_.back() != end_ && column_at(c, end_)) path_.push_back(end_);
-    const double length = length_mm();
-    if (path_.size() > 3 && length >= kShortestLoop)
-      for (const SelfCrossing& x : self_crossings(path_))
-        if (x.first <= kPastStart && x.second >= length - kPastStart) {
-          path_ = part_of(path_, 0, x.second);
-          break;
-        }
+    settle_end(c);
   }
   if (!earlier_) earlier_ = std::make_shared<const WallMap>(c, operations_before_);
   const WallMap& walls = *earlier_;
@@ -182,6 +209,7 @@ BladeResult DrawnStroke::next(const BladeContext& c, bool last) {
         BladeResult b = free_.next(c, s.ends);
         if (b.blade || !b.reason.empty()) {
           offered_ = free_way;
+          any_free_ = true;
           return b;
         }
       }
@@ -196,20 +224,11 @@ BladeResult DrawnStroke::next(const BladeContext& c, bool last) {
 std::optional<Blade> DrawnStroke::lead_start_through(const BladeContext& c) {
   if (start_is_led_ || !c.arrangement || free_.start_point() < 0) return std::nullopt;
   const double ahead = free_.left_mm(), reached = length_mm() - (ahead > 0 ? ahead + 1 : 0);
-  double arc = 0, best = kSnap, where = -1;
-  Vec2 foot = Vec2::Zero();
-  for (size_t i = 0; i + 1 < path_.size(); ++i) {
-    const Vec2 d = path_[i + 1] - path_[i];
-    const double l = d.norm(), t = l > 0 ? std::clamp((start_ - path_[i]).dot(d) / (l * l), 0.0, 1.0) : 0;
-    const Vec2 p = path_[i] + t * d;
-    if (arc + t * l > kFarAlong && arc + t * l < reached && (p - start_).norm() <= best)
-      best = (p - start_).norm(), where = arc + t * l, foot = p;
-    arc += l;
-  }
-  if (where < 0) return std::nullopt;
+  const auto by = passage_by(path_, start_, kFarAlong, reached);
+  if (!by) return std::nullopt;
   start_is_led_ = true;
   for (const SelfCrossing& x : self_crossings(path_))
-    if (x.first > kStub && x.first < kPastStart && std::abs(x.second - where) < kPastStart)
+    if (x.first > kStub && x.first < kPastStart && std::abs(x.second - by->arc) < kPastStart)
       return std::nullopt;  // it crosses there
   const WallMap walls(c);
   const WallColumn* column = nullptr;
@@ -217,9 +236,9 @@ std::optional<Blade> DrawnStroke::lead_start_through(const BladeContext& c) {
     for (const WallPoint& p : k.point)
       if (p.point == free_.start_point() && k.is_end()) column = &k;
   if (!column) return std::nullopt;
-  const Vec2 way =
-      best > kStub ? Vec2((foot - start_).normalized()) : walls.outward(int32_t(column - walls.columns().data()));
-  const Vec2 beyond = foot + way * overshoot_of(c);
+  const Vec2 way = by->distance > kStub ? Vec2((by->foot - start_).normalized())
+                                        : walls.outward(int32_t(column - walls.columns().data()));
+  const Vec2 beyond = by->foot + way * overshoot_of(c);
   Blade blade;
   blade.strip = true;
   const double level = free_.level_mm(), margin = margin_of(c);
@@ -231,7 +250,7 @@ std::optional<Blade> DrawnStroke::lead_start_through(const BladeContext& c) {
     const auto k = column_at(c, at);
     if (!k) return std::nullopt;
     StripSide right;
-    const int rows = std::max(2, int(std::ceil((level + margin) / 2.5)));
+    const int rows = std::max(2, int(std::ceil((level + margin) / kRowHeight)));
     for (int r = 0; r <= rows; ++r) {
       right.vertex.push_back(int32_t(blade.vertex.size()));
       right.level.push_back((level + margin) * r / rows - margin);
@@ -249,6 +268,7 @@ std::optional<Blade> DrawnStroke::lead_start_through(const BladeContext& c) {
 }
 
 void DrawnStroke::was_cut(const CutResult& result) {
+  any_cut_ = true;
   if (offered_ == free_way) free_.was_cut(result);
   if (offered_ == along && along_limit_ < offered_to_) along_from_ = along_limit_, along_limit_ = 1e300;
 }
@@ -265,6 +285,62 @@ void DrawnStroke::was_nothing(const BladeContext& c) {
 bool DrawnStroke::was_refused() {
   if (offered_ == along) return narrow() || (nothing_to_ = offered_to_, true);
   return offered_ == start_wall || (offered_ == free_way && free_.was_refused());
+}
+
+CutResult DrawnStroke::cut(const BladeContext& c, bool last, const MakeCut& make_cut) {
+  constexpr int kMostCuts = 2000;  // of one call: far more than a path of 2000 points needs
+  CutResult all;
+  all.status = CutResult::nothing_to_cut;
+  const auto refused = [&](std::string why) {
+    CutResult r;
+    r.reason = std::move(why);
+    return r;
+  };
+  for (int cuts = 0;;) {
+    if (cuts == kMostCuts) return refused("one piece of a stroke makes too many cuts; shorter pieces were expected");
+    const BladeResult blade = next(c, last);
+    if (!blade.blade && !blade.reason.empty()) return refused(blade.reason);
+    if (!blade.blade) break;
+    CutResult one = make_cut(*blade.blade);
+    if (one.ok()) {
+      was_cut(one);
+      ++cuts;
+      one.wall_faces += all.wall_faces, one.patches += all.patches, one.patches_kept += all.patches_kept;
+      all = std::move(one);
+    } else if (one.status == CutResult::nothing_to_cut) {
+      was_nothing(c);  // over a hole, or along an earlier cut
+    } else if (!was_refused()) {
+      return one;
+    }
+  }
+  if (last && !all.ok()) all.reason = any_free_ ? "nothing of the stroke lies on uncut skin" : "this is cut already";
+  return all;
+}
+
+CutResult cut_whole(const BladeContext& c, std::span<const ChartPoint> path, double depth_mm, double angle_deg,
+                    bool spline, const MakeCut& make_cut) {
+  CutResult r;
+  if (r.reason = check_stroke(path, depth_mm); !r.reason.empty()) return r;
+  std::vector<Vec2> drawn(path.begin(), path.end());
+  if (spline) drawn = spline_through(drawn, 0.5);
+  drawn = drop_close(simplify(drawn, kSimplify), kKnot);
+  DrawnStroke stroke(depth_mm, angle_deg);
+  if (r.reason = stroke.draw(c, drawn); !r.reason.empty()) return r;
+  return stroke.cut(c, true, make_cut);
+}
+
+CutResult incise(Arrangement& a, BladeContext c, std::span<const ChartPoint> path, double depth_mm, double angle_deg,
+                 uint64_t seed, bool spline, int* cuts) {
+  c.arrangement = &a;
+  int made = 0;
+  CutResult r = cut_whole(c, path, depth_mm, angle_deg, spline, [&](const Blade& b) {
+    CutResult one = a.cut(b, seed + uint64_t(made));
+    made += one.ok();
+    return one;
+  });
+  for (; !r.ok() && made > 0; --made) a.undo();
+  if (cuts) *cuts = made;
+  return r;
 }
 
 }  // namespace limberg

@@ -91,30 +91,4 @@ AlongSamples samples_along(const BladeContext& c, const WallMap& walls, std::spa
   return s;
 }
 
-std::vector<Run> runs_along(const AlongSamples& s) {
-  std::vector<Run> runs;
-  const size_t n = s.along.size();
-  const auto add = [&](double from, double to, bool along) {
-    if (to <= from) return;
-    if (!runs.empty() && runs.back().along == along)
-      runs.back().to = to;
-    else
-      runs.push_back({from, to, along});
-  };
-  for (size_t i = 0, j = 0; i < n; i = j) {
-    j = s.block_end(i);
-    const double from = double(i) * kStep, to = j == n ? s.length : double(j - 1) * kStep, l = to - from;
-    const bool along = s.along[i] && (l >= kLeastAlong || l >= 0.8 * s.length) && !s.drifts(i, j - 1);
-    add(runs.empty() ? 0 : runs.back().to, to, along);
-  }
-  // What is left over beside a run is not a cut of its own.
-  for (size_t i = 0; i < runs.size();) {
-    if (!runs[i].along && runs[i].to - runs[i].from < 1 && runs.size() > 1)
-      runs.erase(runs.begin() + long(i));
-    else
-      ++i;
-  }
-  return runs;
-}
-
 }  // namespace limberg

@@ -18,11 +18,6 @@ inline constexpr double kGap = 1.0;         // a hand leaves the line that it fo
 inline constexpr double kCorner = 3.5;      // at a corner of the wall the path's direction tells nothing for so long
 inline constexpr double kLeastAlong = 3.0;  // shorter ways along a wall are chance
 
-struct Run {
-  double from = 0, to = 0;  // arc lengths
-  bool along = false;
-};
-
 /// Per sample, arc length i * kStep: does it run along a wall, and how far to its left does the path lie?
 struct AlongSamples {
   double length = 0;
@@ -34,12 +29,8 @@ struct AlongSamples {
   /// Did the path pass from one side of the wall to the other between two samples? Then it crosses it at a small angle.
   bool drifts(size_t first, size_t last) const;
 };
-/// Near sharp corners a leaning blade of this depth may have been
-/// turned upright (build_incision): there the wall may lean less.
+/// Near sharp corners a leaning blade of this depth may have been turned upright: there the wall may lean less.
 AlongSamples samples_along(const BladeContext& context, const WallMap& walls, std::span<const Vec2> path, double lean,
                            double depth_mm);
-
-/// All of the path in order; free ways shorter than 1 mm beside a run are left out.
-std::vector<Run> runs_along(const AlongSamples& samples);
 
 }  // namespace limberg

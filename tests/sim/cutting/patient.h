@@ -6,8 +6,8 @@
 
 #include "sim/body/block.h"
 #include "sim/body/skin.h"
+#include "sim/cutting/strokes/drawn_stroke.h"
 #include "sim/cutting/strokes/stroke.h"
-#include "sim/cutting/strokes/stroke_plan.h"
 #include "tests/sim/cutting/scenes.h"
 
 namespace limberg::test {

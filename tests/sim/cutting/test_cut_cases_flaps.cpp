@@ -1,7 +1,7 @@
 // The named cases 17 to 23 and 29 to 37: flaps, cutting again, undermining, excision.
 #include "sim/body/block.h"
 #include "sim/body/skin.h"
-#include "sim/cutting/strokes/stroke_plan.h"
+#include "sim/cutting/strokes/drawn_stroke.h"
 #include "tests/sim/cutting/case_scene.h"
 
 namespace limberg::test {
@@ -28,10 +28,12 @@ const Strokes& strokes() {
 }
 TriMesh block() { return strokes().body->surface; }
 
+CutResult stroke(CaseScene& s, const std::vector<Vec2>& path, double depth) {
+  return cut_whole(strokes().on(s), path, depth, 90, false, [&](const Blade& b) { return s.attempt(b), s.last; });
+}
 void incise(CaseScene& s, const std::vector<Vec2>& path, double depth) {
-  const BladeResult b = build_incision(strokes().on(s), path, depth);
-  ASSERT_TRUE(b.blade) << b.reason;
-  s.cut(*b.blade);
+  const CutResult r = stroke(s, path, depth);
+  ASSERT_TRUE(r.ok()) << r.reason;
 }
 void undermine(CaseScene& s, const std::vector<Vec2>& outline, double depth) {
   const BladeResult b = build_undermining(strokes().on(s), outline, depth);
@@ -101,14 +103,10 @@ CUT_CASE(C20_recut_shallower_and_deeper, block()) {
   incise(s, {{-15, 0.3}, {15, 0.4}}, 4);
   const uint64_t hash = s.a.full_hash();
   const std::vector<int32_t> before = s.walls();
-  const auto stroke = [&](double depth) {
-    const StrokePlan plan = plan_stroke(strokes().on(s), std::vector<Vec2>{{-15, 0.3}, {15, 0.4}}, depth, 90);
-    return carry_out(
-        plan, strokes().on(s), [&](const Blade& b) { return s.attempt(b), s.last; }, [] {});
-  };
-  EXPECT_EQ(stroke(3).status, CutResult::nothing_to_cut);
+  const std::vector<Vec2> again{{-15, 0.3}, {15, 0.4}};
+  EXPECT_EQ(stroke(s, again, 3).status, CutResult::nothing_to_cut);
   EXPECT_EQ(s.a.full_hash(), hash);
-  ASSERT_TRUE(stroke(7).ok());
+  ASSERT_TRUE(stroke(s, again, 7).ok());
   for (int32_t f : before) EXPECT_TRUE(s.a.faces()[size_t(f)].live());  // not even divided
   s.expect(1, {2});
   EXPECT_EQ(s.fronts(), 1);
