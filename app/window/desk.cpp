@@ -132,7 +132,13 @@ void Desk::tools(const DeskReading& r, int height) {
     ImGui::TextColored(kQuiet, "%s", k.name.c_str());
     state.tool_changed |=
         ImGui::SliderFloat(("##" + k.name).c_str(), &(state.*k.value), k.from, k.to, k.format.c_str());
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", k.help.c_str());
+    if (ImGui::IsItemHovered()) {
+      ImGui::BeginTooltip();
+      ImGui::PushTextWrapPos(2 * kToolsWidth);
+      ImGui::TextUnformatted(k.help.c_str());
+      ImGui::PopTextWrapPos();
+      ImGui::EndTooltip();
+    }
   }
   ImGui::PopItemWidth();
   ImGui::Spacing();
