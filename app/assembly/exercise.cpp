@@ -28,7 +28,7 @@ Exercise exercise(std::span<const Command> script, const Metrics& m, const std::
     e.peaks_over_2_5_N += s.peak_N > 2.5;
     e.peaks_over_5_N += s.peak_N > 5;
   }
-  if (plan) e.design = design_error(*plan, script);
+  if (plan && plan->named) e.design = design_error(*plan, script);
   return e;
 }
 

@@ -24,7 +24,7 @@ struct Exercise {
   int cuts = 0, hooks = 0, hook_moves = 0, stitches = 0, threads_cut = 0, undos = 0, redos = 0, refused = 0;
   int gaps_open = 0;                             // stitches whose edges are more than 0.2 mm apart at the end
   int peaks_over_2_5_N = 0, peaks_over_5_N = 0;  // stitches whose force at rest was ever above
-  std::optional<DesignError> design;             // against the lesson's plan, or the script's own
+  std::optional<DesignError> design;             // against the lesson's plan, or that which the script names
 };
 
 /// `script`: what was carried out.

@@ -36,7 +36,7 @@ PlanOnSkin plan_on(const Skin& skin, const PlannedProcedure& named) {
     settings.push_back(name + text);
   }
   const auto where = std::make_shared<OnSkin>(skin, Placement{named.at, named.turn_deg, named.mirrored});
-  return {p.figure(procedure_values(p, settings)), [where](const Vec2& c) { return where->chart(c); }};
+  return {p.figure(procedure_values(p, settings)), [where](const Vec2& c) { return where->chart(c); }, true};
 }
 
 std::optional<PlanOnSkin> plan_of(const Skin& skin, const std::optional<PlannedProcedure>& named,

@@ -15,6 +15,8 @@ namespace limberg {
 struct PlanOnSkin {
   Figure figure;
   std::function<ChartPoint(const Vec2& figure_mm)> chart;
+  // False: its corners were read off the cuts. Its wounds and seams hold; there is nothing to compare the cuts with.
+  bool named = false;
 };
 
 /// The plan that the script's header names; otherwise the Z or the rhombic flap that its

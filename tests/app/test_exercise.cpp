@@ -98,6 +98,20 @@ TEST(Lesson, ShippedOnesFitTheirScenesAndTheirScripts) {
   }
 }
 
+TEST(Exercise, CutsAreComparedWithANamedPlanAlone) {
+  const Lesson l = open_lesson(source_dir() + "/app/lessons/rhomboid.toml");
+  const Skin skin(build_body(load_scene(source_dir() + "/app/scenes/" + l.scene + ".toml")));
+  std::vector<Command> script;
+  for (const ScriptLine& s : test::shipped_script("rhomboid").lines) script.push_back(s.command);
+  const std::optional<PlanOnSkin> read_off = plan_of(skin, {}, script);
+  ASSERT_TRUE(read_off) << "the rhombic flap that the cuts draw";
+  EXPECT_FALSE(exercise(script, {}, read_off).design) << "the cuts would be compared with another flap elsewhere";
+  const auto named = exercise(script, {}, plan_on(skin, l.plan)).design;
+  ASSERT_TRUE(named);
+  EXPECT_EQ(named->corners, 7);
+  EXPECT_TRUE(named->missing.empty());
+}
+
 TEST(Lesson, TellsWhatIsMet) {
   const Lesson l = parse_lesson(kLesson, "l.toml");
   const auto j = judge(l, {{{"corner_mm", 1.9}, {"gap_mm", 0.3}}, {{"undos", "nobody counted them"}}});
