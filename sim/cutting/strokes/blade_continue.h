@@ -20,8 +20,8 @@ struct StripSide {
 StripSide side_of_wall(Blade& blade, const BladeContext& context, const WallColumn& column, double from, double to,
                        std::vector<std::pair<int32_t, int32_t>>& known);
 
-/// Triangles between two sides, left before right along the stroke, oriented as the quads of a strip. Seeds 1 where they
-/// cross the skin; `seed_top` for those at the upper ends of both sides.
+/// Triangles between two sides, left before right along the stroke, oriented as the quads of a strip. Seeds 1 where
+/// they cross the skin; `seed_top` for those at the upper ends of both sides.
 void add_between(Blade& blade, const StripSide& left, const StripSide& right, uint8_t seed_other, uint8_t seed_top);
 
 /// Where a stroke may go on from the open end of an earlier wall: the column, or -1. The path's first point is then

@@ -62,8 +62,8 @@ double margin_of(const BladeContext& context);
 /// How far past a wall a joining stroke is pushed.
 double overshoot_of(const BladeContext& context);
 
-/// Adds a closed ring: columns x rows of quads from above the skin to `depth` below, seeds 1 in the row that crosses the
-/// skin. direction[i] points into the tissue, its length is the way along the blade per mm of depth.
+/// Adds a closed ring: columns x rows of quads from above the skin to `depth` below, seeds 1 in the row that crosses
+/// the skin. direction[i] points into the tissue, its length is the way along the blade per mm of depth.
 /// Vertex of column i, row r: i * (rows + 1) + r. Returns the number of rows.
 int add_ring(Blade& blade, const BladeContext& context, std::span<const Column> columns,
              std::span<const Vec3> direction, double depth);

@@ -324,9 +324,9 @@ std::vector<Vec3> DrawnIncision::directions(const BladeContext& c, std::span<con
   return out;
 }
 
-/// Columns x rows of quads, from above the skin down; the first column is that of the committed blade if there is one, the first
-/// and the last may be those of earlier walls. `closing`: the diagonals of the last quads rise towards the blade's end,
-/// so that no triangle lies wholly on its free border.
+/// Columns x rows of quads, from above the skin down; the first column is that of the committed blade if there is one,
+/// the first and the last may be those of earlier walls. `closing`: the diagonals of the last quads rise towards the
+/// blade's end, so that no triangle lies wholly on its free border.
 Blade DrawnIncision::strip(const BladeContext& c, std::span<const Column> column, std::span<const Vec3> direction,
                            const Way& way) {
   const size_t first = way.first;

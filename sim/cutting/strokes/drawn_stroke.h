@@ -32,8 +32,8 @@ using MakeCut = std::function<CutResult(const Blade&)>;
 class DrawnStroke {
  public:
   /// depth_mm is the depth of tissue at rest along the skin's normal. angle_deg is measured between blade and skin, as
-  /// they lie now, in the plane across the path; below 90 the blade leans so that its edge lies to the right of the path
-  /// (seen from outside, walking along it).
+  /// they lie now, in the plane across the path; below 90 the blade leans so that its edge lies to the right of the
+  /// path (seen from outside, walking along it).
   DrawnStroke(double depth_mm, double angle_deg)
       : depth_(depth_mm), angle_deg_(angle_deg), free_(depth_mm, angle_deg) {}
 

@@ -88,8 +88,8 @@ TEST(LeaningStrokes, DeepenedInPiecesLeaveNoBridge) {
             bridges_of_first += chi != 2;
             const double before = p.wall_area();
             EXPECT_EQ(draw(p, path.point, piece_mm, depth, angle), "");
-            // (Pieces that come off raise it: round an arc of 5 mm a blade that leans in by 60 degrees meets itself, and
-            // of those 54 deepenings 2 leave a bridge, 2026-11-23.)
+            // (Pieces that come off raise it: round an arc of 5 mm a blade that leans in by 60 degrees meets itself,
+            // and of those 18 deepenings 2 leave a bridge, 2026-11-23.)
             if (path.name == "arc of 5 mm" && angle == 150)
               bridges_of_cone += euler_characteristic(p.a) < chi;
             else
@@ -156,8 +156,8 @@ TEST(LeaningStrokes, LegsKeepTheirLeanUpToTheCorner) {
           }
 }
 
-// A curve into which a blade leans runs together at depth: at once or drawn it is cut in parts that cross one another or
-// turn upright there, and what comes of it is one slit with most of the area that a cylinder of that depth has.
+// A curve into which a blade leans runs together at depth: at once or drawn it is cut in parts that cross one another
+// or turn upright there, and what comes of it is one slit of at least the area that an upright blade cuts.
 TEST(LeaningStrokes, CurvesThatWouldFoldAreCutInParts) {
   for (const double radius : {6.0, 9.0})
     for (const double side : {1.0, -1.0})
