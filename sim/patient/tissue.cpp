@@ -1,7 +1,6 @@
 #include "sim/patient/tissue.h"
 
 #include "sim/base/hash.h"
-#include "sim/cutting/arrangement/store.h"
 #include "sim/cutting/strokes/blade_build.h"
 #include "sim/fem/solver/region_solver.h"
 #include "sim/lattice/embedding.h"
@@ -29,7 +28,7 @@ Tissue::Tissue(WorldSpec spec, Workers& workers)
   make_surface(version_, draw_surface());
   initial_volume_mm3_ = arrangement_->volume_mm3();
   if (!spec_.can_cut) arrangement_.reset();
-  if (arrangement_) arrangement_->store().points.fault = spec_.fault;
+  if (arrangement_) arrangement_->set_fault(spec_.fault);
   solver_ = spec_.region_mm > 0 ? make_region_solver(workers) : make_solver(workers);
   solver_->set_model(version_.model, {});
 }

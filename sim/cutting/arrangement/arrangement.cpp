@@ -115,6 +115,8 @@ Arrangement::~Arrangement() = default;
 Arrangement::Arrangement(Arrangement&&) noexcept = default;
 Arrangement& Arrangement::operator=(Arrangement&&) noexcept = default;
 
+void Arrangement::set_fault(FaultPlan* plan) { store_->points.fault = plan; }
+
 CutResult Arrangement::cut(const Blade& blade, uint64_t seed, int first_try) {
   CutResult result;
   result.reason = check_blade(blade, *store_);

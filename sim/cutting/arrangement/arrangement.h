@@ -32,6 +32,7 @@
 namespace limberg {
 
 struct ArrangementStore;
+struct FaultPlan;
 
 class Arrangement {
  public:
@@ -101,6 +102,8 @@ class Arrangement {
 
   ArrangementStore& store() { return *store_; }  // for the parts of this library
   const ArrangementStore& store() const { return *store_; }
+  /// Lets steps of later operations fail as planned (fault.h); null: none does. For tests.
+  void set_fault(FaultPlan* plan);
 
  private:
   std::unique_ptr<ArrangementStore> store_;

@@ -21,7 +21,7 @@ Runner::Runner(const Case& c, const Settings& settings) : case_(c), settings_(se
   a_ = std::make_unique<Arrangement>(make_body(c.body), RestGrid{});
   if (settings.with_lattice) t_ = build_topology(grid_, material_surface(*a_), c.front_levels);
   plan_.skip_embedding = settings.skip_embedding;
-  if (settings.skip_embedding) a_->store().points.fault = &plan_;
+  if (settings.skip_embedding) a_->set_fault(&plan_);
   body_volume_ = a_->store().volume_residue;
   volume_mm3_ = a_->volume_mm3();
 }
@@ -200,10 +200,10 @@ std::string Runner::fault(const Op& op) {
   FaultPlan plan;
   FaultPlan* const normal = a_->store().points.fault;
   // How many signs and steps there are.
-  a_->store().points.fault = &plan;
+  a_->set_fault(&plan);
   const CutResult count = a_->cut(blade, op.seed);
   const auto finish = [&](std::string why) {
-    a_->store().points.fault = normal;
+    a_->set_fault(normal);
     if (why.empty() && a_->full_hash() != full) why = "fault: the state has changed";
     return why;
   };
@@ -211,7 +211,7 @@ std::string Runner::fault(const Op& op) {
     if (!count.ok()) return finish({});
     if (!t_) return a_->undo(), finish({});
     FaultPlan lattice;
-    a_->store().points.fault = &lattice;
+    a_->set_fault(&lattice);
     update_topology(*t_, material_surface(*a_));
     lattice.at = std::min(lattice.calls - 1, int64_t(op.place * double(lattice.calls)));
     lattice.until = lattice.at + 1;
@@ -241,7 +241,7 @@ std::string Runner::fault(const Op& op) {
     r = a_->cut(blade, op.seed);
   } catch (const std::bad_alloc&) {
   }
-  a_->store().points.fault = normal;
+  a_->set_fault(normal);
   if (!r.ok()) {
     ++counts_.faults_rolled_back;
     if (a_->full_hash() == full && a_->last_operation().kind != LastOperation::undone && !count.ok() &&
