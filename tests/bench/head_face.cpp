@@ -27,14 +27,14 @@ HeadTrial against(const Mesh& face, const std::vector<Vec3>& truth, const std::v
 
 struct Mode {
   const char* name;
-  FaceMode mode;
+  TissueKind mode;
   double hold;  // springs: share of the shape force; below 0: as FaceModelSettings has it
   bool aim;     // the bar applies
 };
-constexpr Mode kModes[] = {{"finite elements", FaceMode::finite_elements, -1, true},
-                           {"shape", FaceMode::shape, -1, true},
-                           {"springs", FaceMode::springs, -1, true},
-                           {"springs alone (1994)", FaceMode::springs, 0, false}};
+constexpr Mode kModes[] = {{"finite elements", TissueKind::finite_elements, -1, true},
+                           {"shape", TissueKind::shape, -1, true},
+                           {"springs", TissueKind::springs, -1, true},
+                           {"springs alone (1994)", TissueKind::springs, 0, false}};
 
 FaceModel tied(const HeadModel& head, const HeadCase& c, const Mode& mode, Workers& w) {
   FaceModelSettings s;
@@ -81,7 +81,7 @@ void compare(HeadReport& out, const HeadModel& head, const HeadCase& c, const He
     r.settings =
         text("%d iterations; p95 %.2f, max %.2f mm%s", e.iterations, e.p95_mm, e.max_mm, e.at_rest ? "; at rest" : "");
     out.result.rows.push_back(r);
-    if (mode.aim && mode.mode != FaceMode::finite_elements)
+    if (mode.aim && mode.mode != TissueKind::finite_elements)
       out.result.bars.push_back({text("%s, %s: distance from the finite elements (mm rms)", c.name.c_str(), mode.name),
                                  e.rms_mm, false, 1, false, e.rms_mm <= 1, "issue 7: the aim is 1 mm"});
   }

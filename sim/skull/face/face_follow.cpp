@@ -40,7 +40,7 @@ void FaceModel::follow(const Mesh& bones) {
   const Eigen::Isometry3d back = frame_.inverse();
   for (Region& r : region_) {
     Tissue& t = r.tissue;
-    const bool elastic = r.plan.mode == FaceMode::finite_elements;
+    const bool elastic = r.plan.mode == TissueKind::finite_elements;
     bool here = false;
     std::vector<Carry> by(r.foot.size());
     for (size_t k = 0; k < r.foot.size(); ++k) by[k] = carry(r.anchor[size_t(r.foot[k])], bones), here |= by[k].moved();
@@ -71,7 +71,7 @@ void FaceModel::follow(const Mesh& bones) {
       if (t.role[v] == TissueRole::face) continue;
       t.x_mm[v] = c(t.x_mm[v]), t.before_mm[v] = t.x_mm[v];
     }
-    if (r.plan.mode == FaceMode::smoothing) continue;
+    if (r.plan.mode == TissueKind::smoothing) continue;
     for (size_t k = 0; k < r.foot.size(); ++k) {
       Vec3& x = face_.x_mm[size_t(r.face_vertex[k])];
       x = by[k](x), face_.before_mm[size_t(r.face_vertex[k])] = x;

@@ -18,20 +18,6 @@ limberg::Outcome refuse(std::string why) { return {false, std::move(why)}; }
 
 }  // namespace
 
-const char* name_of(FaceMode m) {
-  switch (m) {
-    case FaceMode::smoothing:
-      return "smoothing";
-    case FaceMode::springs:
-      return "springs";
-    case FaceMode::shape:
-      return "shape";
-    case FaceMode::finite_elements:
-      return "finite elements";
-  }
-  return "";
-}
-
 FaceModel::FaceModel(Mesh face, Workers& workers, const FaceModelSettings& settings)
     : workers_(&workers), settings_(settings), face_(std::move(face)), rest_mm_(face_.x_mm) {
   face_.before_mm = face_.x_mm;
@@ -62,7 +48,7 @@ FaceModel::~FaceModel() = default;
 
 bool FaceModel::any(bool elastic) const {
   return std::any_of(region_.begin(), region_.end(),
-                     [&](const Region& r) { return (r.plan.mode == FaceMode::finite_elements) == elastic; });
+                     [&](const Region& r) { return (r.plan.mode == TissueKind::finite_elements) == elastic; });
 }
 
 limberg::Outcome FaceModel::connect(const Mesh& bones, FaceTissuePlan plan, const Mesh* at_rest) {
@@ -78,12 +64,12 @@ limberg::Outcome FaceModel::connect(const Mesh& bones, FaceTissuePlan plan, cons
                     " of " + std::to_string(plan.face_region.size()) +
                     " vertices); expected a place farther from it or a smaller radius");
   }
-  if (plan.mode == FaceMode::finite_elements && !(plan.young_kPa > 0))
+  if (plan.mode == TissueKind::finite_elements && !(plan.young_kPa > 0))
     return refuse("finite elements need a stiffness above 0 kPa");
   TissueSettings s;
   s.layers = plan.layers, s.young_kPa = plan.young_kPa, s.max_thickness_mm = settings_.max_thickness_mm;
   TissueResult built = build_tissue(face_, plan.face_region, bones, plan.skull_region, s, *workers_);
-  if (built && settings_.elasticity.skin_kPa > 0 && plan.young_kPa > 0 && plan.mode != FaceMode::finite_elements) {
+  if (built && settings_.elasticity.skin_kPa > 0 && plan.young_kPa > 0 && plan.mode != TissueKind::finite_elements) {
     // The skin's share of the top layer is known once there is one.
     s.skin_kPa = top_layer_kPa(built.tissue, plan.young_kPa, settings_.elasticity);
     built = build_tissue(face_, plan.face_region, bones, plan.skull_region, s, *workers_);
@@ -111,7 +97,7 @@ limberg::Outcome FaceModel::connect(const Mesh& bones, FaceTissuePlan plan, cons
     r.foot[size_t(r.column[size_t(a.vertex)])] = int32_t(r.anchor.size());
     r.anchor.push_back(make_foot(a, bones, rest));
   }
-  if (plan.mode == FaceMode::finite_elements) {
+  if (plan.mode == TissueKind::finite_elements) {
     const Standing ground(bones, plan.skull_region);
     for (size_t i = 0; i < n; ++i) {
       Anchor a;
@@ -131,7 +117,7 @@ limberg::Outcome FaceModel::connect(const Mesh& bones, FaceTissuePlan plan, cons
   r.plan = std::move(plan);
   region_.push_back(std::move(r));
   bones_mm_ = bones.x_mm;
-  if (region_.back().plan.mode == FaceMode::finite_elements) make_elasticity();
+  if (region_.back().plan.mode == TissueKind::finite_elements) make_elasticity();
   zones();
   return {true, ""};
 }
@@ -140,13 +126,13 @@ void FaceModel::make_elasticity() {
   std::vector<FaceElasticity::Body> bodies;
   std::vector<std::pair<size_t, size_t>> old;  // region, its place among the bodies before
   for (const Region& r : region_)
-    if (r.plan.mode == FaceMode::finite_elements) bodies.push_back({&r.tissue, r.plan.young_kPa});
+    if (r.plan.mode == TissueKind::finite_elements) bodies.push_back({&r.tissue, r.plan.young_kPa});
   auto next = std::make_shared<FaceElasticity>(bodies, settings_.elasticity, *workers_);
   std::vector<Vec3> u(next->nodes(), Vec3::Zero());
   if (elastic_) {
     size_t body = 0;
     for (const Region& r : region_) {
-      if (r.plan.mode != FaceMode::finite_elements) continue;
+      if (r.plan.mode != TissueKind::finite_elements) continue;
       if (body + 1 < bodies.size())  // the last one is new
         for (size_t i = 0; i < r.tissue.node_mm.size(); ++i)
           u[size_t(next->node(body, i))] = u_mm_[size_t(elastic_->node(body, i))];
@@ -162,7 +148,7 @@ void FaceModel::zones() {
   using Item = std::pair<double, int32_t>;
   std::priority_queue<Item, std::vector<Item>, std::greater<>> open;
   for (const Region& r : region_)
-    if (r.plan.mode != FaceMode::smoothing)
+    if (r.plan.mode != TissueKind::smoothing)
       for (int32_t v : r.face_vertex) far[size_t(v)] = 0, open.push({0, v});
   while (!open.empty()) {
     const auto [d, v] = open.top();
@@ -175,7 +161,7 @@ void FaceModel::zones() {
   }
   for (size_t v = 0; v < far.size(); ++v) face_.zone[v] = std::isfinite(far[v]) ? kFree : kFar;
   for (const Region& r : region_)
-    if (r.plan.mode == FaceMode::finite_elements)
+    if (r.plan.mode == TissueKind::finite_elements)
       for (int32_t v : r.face_vertex) face_.zone[size_t(v)] = kCarried;
   ++face_.version;
 }
@@ -191,10 +177,10 @@ std::vector<std::string> FaceModel::describe() const {
   for (const Region& r : region_) {
     const std::string line =
         fmt::format("{}: {}, {} layers, {} vertices of the face over {} of tissue ({} tetrahedra), {:.1f} kPa",
-                    r.plan.name, name_of(r.plan.mode), r.tissue.layers, r.face_vertex.size(), r.tissue.vertices(),
-                    r.tissue.tet.size(), r.plan.young_kPa);
+                    r.plan.name, kTissueKinds[size_t(r.plan.mode)], r.tissue.layers, r.face_vertex.size(),
+                    r.tissue.vertices(), r.tissue.tet.size(), r.plan.young_kPa);
     out.push_back(line);
-    if (r.plan.mode == FaceMode::springs || r.plan.mode == FaceMode::shape)
+    if (r.plan.mode == TissueKind::springs || r.plan.mode == TissueKind::shape)
       out.back() += "; " + free_motions(size_t(&r - region_.data()));
   }
   return out;
@@ -205,7 +191,7 @@ std::string FaceModel::free_motions(size_t region, int64_t dense_up_to) const {
   const ZeroModes z = zero_energy_modes(r.tissue, dense_up_to);
   return fmt::format("its springs leave {}{} of {} motions free ({:.2f} per free vertex){}", z.estimate ? "about " : "",
                      z.modes, z.dofs, z.dofs > 0 ? 3 * double(z.modes) / double(z.dofs) : 0.,
-                     r.plan.mode == FaceMode::shape || settings_.hold > 0 ? ", held by the shape force" : "");
+                     r.plan.mode == TissueKind::shape || settings_.hold > 0 ? ", held by the shape force" : "");
 }
 
 FaceModel::Moved FaceModel::moved() const {

@@ -2,7 +2,7 @@
 // The face that follows: a face mesh that keeps its shape, tied to the bones by tissues between opposite regions.
 //
 //   FaceModel model(face, workers);
-//   model.connect(bones, {"jaw", face_region, bone_region, 3, 10, FaceMode::finite_elements});
+//   model.connect(bones, {"jaw", face_region, bone_region, 3, 10, TissueKind::finite_elements});
 //   model.follow(bones_now);            // as often as a fragment moves
 //   model.step(20);                     // so many iterations a frame, until at_rest
 //
@@ -40,15 +40,12 @@
 
 namespace limberg::simplex {
 
-enum class FaceMode : uint8_t { smoothing, springs, shape, finite_elements };
-const char* name_of(FaceMode mode);
-
 struct FaceTissuePlan {
   std::string name;
   std::vector<int32_t> face_region, skull_region;  // vertices; of the skull none: all of it
   int layers = 1;
   double young_kPa = 10;
-  FaceMode mode = FaceMode::finite_elements;
+  TissueKind mode = TissueKind::finite_elements;
 };
 
 struct FaceModelSettings {

@@ -15,7 +15,7 @@ constexpr int kTurnEvery = 8;  // iterations between two turns of the rest shape
 void FaceModel::place_elastic() {
   size_t body = 0;
   for (Region& r : region_) {
-    if (r.plan.mode != FaceMode::finite_elements) continue;
+    if (r.plan.mode != TissueKind::finite_elements) continue;
     Tissue& t = r.tissue;
     const auto u = [&](int32_t i) -> const Vec3& { return u_mm_[size_t(elastic_->node(body, size_t(i)))]; };
     for (size_t c = 0; c < r.top.size(); ++c) {
@@ -66,20 +66,18 @@ FaceModel::Report FaceModel::step_simplex(int iterations) {
   std::vector<Vec3>& force = scratch_->force;
   // Rest is the face's: springs leave motions inside the tissue that nothing brings to an end.
   const bool influence =
-      std::any_of(region_.begin(), region_.end(), [](const Region& r) { return r.plan.mode != FaceMode::smoothing; });
+      std::any_of(region_.begin(), region_.end(), [](const Region& r) { return r.plan.mode != TissueKind::smoothing; });
   for (; out.iterations < iterations; ++out.iterations) {
     force.assign(face_.nbr.size(), Vec3::Zero());
     out.max_move_mm = 0;
     for (Region& r : region_) {
-      if (r.plan.mode == FaceMode::finite_elements) continue;
+      if (r.plan.mode == TissueKind::finite_elements) continue;
       for (const Foot& f : r.anchor) r.tissue.x_mm[size_t(f.at.vertex)] = f.now_mm;
       for (const auto& [v, f] : r.tissue.link) r.tissue.x_mm[size_t(v)] = face_.x_mm[size_t(f)];
       TissueLaw l;
-      l.mode = r.plan.mode == FaceMode::smoothing ? TissueMode::smoothing
-               : r.plan.mode == FaceMode::shape   ? TissueMode::shape
-                                                  : TissueMode::springs;
-      if (l.mode == TissueMode::springs) l.shape = settings_.hold;
-      if (l.mode != TissueMode::smoothing && out.iterations % kTurnEvery == 0) turn_shape(r.tissue, *workers_);
+      l.mode = r.plan.mode;
+      if (l.mode == TissueKind::springs) l.shape = settings_.hold;
+      if (l.mode != TissueKind::smoothing && out.iterations % kTurnEvery == 0) turn_shape(r.tissue, *workers_);
       l.spring = settings_.spring, l.gamma = settings_.gamma;
       out.max_move_mm = std::max(out.max_move_mm, simplex::step(r.tissue, l, *workers_).max_move_mm);
       pull_face(r.tissue, l, force);

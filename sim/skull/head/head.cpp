@@ -17,19 +17,6 @@ constexpr int64_t kCountedAtOnce = 300;
 
 Outcome refuse(std::string why) { return {false, std::move(why)}; }
 
-simplex::FaceMode mode_of(TissueKind k) {
-  switch (k) {
-    case TissueKind::smoothing:
-      return simplex::FaceMode::smoothing;
-    case TissueKind::springs:
-      return simplex::FaceMode::springs;
-    case TissueKind::shape:
-      return simplex::FaceMode::shape;
-    default:
-      return simplex::FaceMode::finite_elements;
-  }
-}
-
 int32_t nearest_vertex(const std::vector<Vec3>& x, const simplex::Mesh& mesh, const Vec3& p) {
   int32_t best = -1;
   double best2 = 1e300;
@@ -205,7 +192,7 @@ Outcome Head::connect(const ConnectTissue& t) {
   const simplex::Mesh& face = face_.face();
   simplex::FaceTissuePlan plan;
   plan.name = t.name;
-  plan.layers = t.layers, plan.young_kPa = t.young_kPa, plan.mode = mode_of(t.mode);
+  plan.layers = t.layers, plan.young_kPa = t.young_kPa, plan.mode = t.mode;
   plan.face_region = simplex::region_around(face, nearest_vertex(face.x_mm, face, t.face_mm), t.face_radius_mm);
   if (t.bone_radius_mm > 0) {
     for (int32_t v = 0; v < placed_.slots(); ++v)

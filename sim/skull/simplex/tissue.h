@@ -35,12 +35,12 @@
 #include <vector>
 
 #include "sim/base/workers.h"
+#include "sim/commands/head_command.h"
 #include "sim/skull/simplex/mesh.h"
 
 namespace limberg::simplex {
 
 enum class TissueRole : uint8_t { inside, side, face, skull };
-enum class TissueMode : uint8_t { smoothing, springs, shape };
 enum class Stiffening : uint8_t { none, biphasic, quadratic, exponential };
 
 /// Force of a spring over its rest stiffness, e = (l - l0) / l0.
@@ -109,7 +109,7 @@ std::vector<int32_t> region_around(const Mesh& mesh, int32_t v, double radius_mm
 void follow(Tissue& tissue, const Mesh& face, const Mesh& skull);
 
 struct TissueLaw {
-  TissueMode mode = TissueMode::springs;
+  TissueKind mode = TissueKind::springs;  // not finite_elements: those are an elastic body (face_elasticity.h)
   SpringLaw spring;
   double shape = 0;     // springs: share of the mode shape that is mixed in, 0..1
   double gamma = 0.35;  // damping
@@ -122,7 +122,8 @@ struct TissueStep {
   double longest_elongation = 0;  // (l - l0) / l0
   double alpha = 0;               // as used: reduced where the bound asks for it
 };
-/// One iteration of the vertices inside and on the sides. Throws InputError on a law that no alpha makes stable.
+/// One iteration of the vertices inside and on the sides. Throws InputError on a law that no alpha makes stable, and on
+/// finite elements.
 TissueStep step(Tissue& tissue, const TissueLaw& law, Workers& workers);
 
 /// Turns the rest shape of every vertex as its neighbours have turned by now: a few steps of a polar decomposition from

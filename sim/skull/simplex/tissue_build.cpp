@@ -321,7 +321,7 @@ TissueResult build_tissue(const Mesh& face, std::span<const int32_t> region, con
   record_rest(t);
   follow(t, face, skull);
   TissueLaw smooth;
-  smooth.mode = TissueMode::smoothing, smooth.alpha = 1;
+  smooth.mode = TissueKind::smoothing, smooth.alpha = 1;
   for (int i = 0; i < 400; ++i)
     if (step(t, smooth, workers).max_move_mm < 1e-4) break;
   t.before_mm = t.x_mm;

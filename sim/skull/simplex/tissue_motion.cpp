@@ -159,6 +159,8 @@ void turn_shape(Tissue& t, Workers& workers) {
 }
 
 TissueStep step(Tissue& t, const TissueLaw& law, Workers& workers) {
+  if (law.mode == TissueKind::finite_elements)
+    throw InputError("", 0, "a tissue of finite elements does not move vertex by vertex; expected another mode");
   if (!(law.gamma > 0 && law.gamma < 2)) throw InputError("", 0, "gamma of a tissue must lie between 0 and 2");
   if (!std::isfinite(law.alpha) || law.alpha < 0)
     throw InputError("", 0, "alpha of a tissue must be a finite number, 0 or more");
@@ -170,8 +172,8 @@ TissueStep step(Tissue& t, const TissueLaw& law, Workers& workers) {
   TissueStep out;
   // Eigenvalues: at most 2 of means, weighted or not, and of springs
   // over the stiffness of their vertex (D^-1 K, Gershgorin).
-  const bool springs = law.mode == TissueMode::springs,
-             shaped = law.mode == TissueMode::shape || (springs && law.shape > 0);
+  const bool springs = law.mode == TissueKind::springs,
+             shaped = law.mode == TissueKind::shape || (springs && law.shape > 0);
   constexpr double lambda = 2;
   // (springs that stiffen on the way do it within an iteration, too: a fifth is kept for that)
   out.alpha = std::min(law.alpha, (springs && s.kind != Stiffening::none ? 0.8 : 0.99) * 2 * (2 - law.gamma) / lambda);
@@ -185,7 +187,7 @@ TissueStep step(Tissue& t, const TissueLaw& law, Workers& workers) {
         continue;
       }
       Vec3 F = Vec3::Zero();
-      if (law.mode == TissueMode::smoothing) {
+      if (law.mode == TissueKind::smoothing) {
         F = to_mean(t, v);
       } else {
         const Edges of = !springs ? edges<false, true>(t, v, s, most)
@@ -215,8 +217,8 @@ TissueStep step(Tissue& t, const TissueLaw& law, Workers& workers) {
 }
 
 void pull_face(const Tissue& t, const TissueLaw& law, std::vector<Vec3>& force_mm, std::vector<Vec3>* force_mN) {
-  if (law.mode == TissueMode::smoothing) return;
-  const double share = law.mode == TissueMode::shape ? 1 : law.shape;
+  if (law.mode == TissueKind::smoothing) return;
+  const double share = law.mode == TissueKind::shape ? 1 : law.shape;
   double longest = 0;
   for (size_t i = 0; i < t.link.size(); ++i) {
     const auto [tv, f] = t.link[i];

@@ -23,10 +23,11 @@ struct Head {
   }
   std::vector<int32_t> region = region_around(face, 5, 22);
   Vec3 out = face.x_mm[5].normalized();
-  FaceTissuePlan plan(FaceMode mode, int layers = 2) const { return {"cheek", region, {}, layers, 10, mode}; }
+  FaceTissuePlan plan(TissueKind mode, int layers = 2) const { return {"cheek", region, {}, layers, 10, mode}; }
 };
 
-const FaceMode kModes[] = {FaceMode::smoothing, FaceMode::springs, FaceMode::shape, FaceMode::finite_elements};
+const TissueKind kModes[] = {TissueKind::smoothing, TissueKind::springs, TissueKind::shape,
+                             TissueKind::finite_elements};
 
 Mesh turned(Mesh m, const Eigen::Isometry3d& T) {
   for (Vec3& x : m.x_mm) x = T * x;
@@ -63,7 +64,7 @@ int settle(FaceModel& f, int most = 4000) {
 }
 
 TEST(FaceModel, WhereNothingMovesNothingMoves) {
-  for (FaceMode mode : kModes) {
+  for (TissueKind mode : kModes) {
     const Head h;
     InlineWorkers w;
     FaceModel f(h.face, w);
@@ -71,13 +72,13 @@ TEST(FaceModel, WhereNothingMovesNothingMoves) {
     const uint64_t before = f.hash();
     f.follow(h.skull);
     EXPECT_TRUE(f.step(50).at_rest);
-    EXPECT_EQ(f.hash(), before) << name_of(mode);
+    EXPECT_EQ(f.hash(), before) << kTissueKinds[size_t(mode)];
     EXPECT_EQ(f.face().x_mm, h.face.x_mm);
   }
 }
 
 TEST(FaceModel, TheFaceFollowsABoneThatMovesWhole) {
-  for (FaceMode mode : kModes) {
+  for (TissueKind mode : kModes) {
     Head h;
     InlineWorkers w;
     FaceModelSettings s;
@@ -88,11 +89,11 @@ TEST(FaceModel, TheFaceFollowsABoneThatMovesWhole) {
     f.follow(moved(h.skull, T));
     const int n = settle(f);
     const double along = (f.face().x_mm[5] - h.face.x_mm[5]).dot(h.out);
-    std::printf("%s: %.2f of 4 mm after %d iterations\n", name_of(mode), along, n);
-    const bool smooth = mode == FaceMode::smoothing;
+    std::printf("%s: %.2f of 4 mm after %d iterations\n", kTissueKinds[size_t(mode)], along, n);
+    const bool smooth = mode == TissueKind::smoothing;
     EXPECT_GT(along, smooth ? -1e-9 : 3.5);
     EXPECT_LT(along, smooth ? 1e-9 : 4.1);
-    if (mode == FaceMode::finite_elements) {
+    if (mode == TissueKind::finite_elements) {
       EXPECT_NEAR(along, 4, 1e-3);
     }  // no load on the skin, none on the sides: it goes along whole
     // What is far from the region stays, bit by bit.
@@ -103,7 +104,7 @@ TEST(FaceModel, TheFaceFollowsABoneThatMovesWhole) {
 
 TEST(FaceModel, TurningEverythingTurnsTheResult) {
   // Made in another place and turn, the same operation gives the same face there: no step knows where up is.
-  for (FaceMode mode : {FaceMode::springs, FaceMode::shape, FaceMode::finite_elements}) {
+  for (TissueKind mode : {TissueKind::springs, TissueKind::shape, TissueKind::finite_elements}) {
     const Head h;
     InlineWorkers w;
     const Eigen::Isometry3d T = motion({1, 2, -1}, 63, {10, -20, 5}), move = motion(Vec3::UnitX(), 6, -3 * h.out);
@@ -113,10 +114,10 @@ TEST(FaceModel, TurningEverythingTurnsTheResult) {
     ASSERT_TRUE(b.connect(turned(h.skull, T), h.plan(mode)).done);
     a.follow(bones), b.follow(turned(bones, T));
     a.step(60), b.step(60);
-    EXPECT_LT(apart(T, a.face().x_mm, b.face().x_mm), mode == FaceMode::finite_elements ? 2e-3 : 1e-7)
-        << name_of(mode);  // the solver's numbers have single precision
-    EXPECT_LT(apart(T, a.tissues()[0]->x_mm, b.tissues()[0]->x_mm), mode == FaceMode::finite_elements ? 2e-3 : 1e-7)
-        << name_of(mode);
+    EXPECT_LT(apart(T, a.face().x_mm, b.face().x_mm), mode == TissueKind::finite_elements ? 2e-3 : 1e-7)
+        << kTissueKinds[size_t(mode)];  // the solver's numbers have single precision
+    EXPECT_LT(apart(T, a.tissues()[0]->x_mm, b.tissues()[0]->x_mm), mode == TissueKind::finite_elements ? 2e-3 : 1e-7)
+        << kTissueKinds[size_t(mode)];
     EXPECT_GT(a.moved().max_mm, 1);
   }
 }
@@ -124,7 +125,7 @@ TEST(FaceModel, TurningEverythingTurnsTheResult) {
 TEST(FaceModel, AHeadThatTurnsWholeTakesFaceAndTissueAlong) {
   // All bones by one rigid motion, half a turn among them: face (covered or not) and tissue go along to 1e-9 mm, before
   // any iteration and after many; and with a deformation in it that is not at rest.
-  for (FaceMode mode : kModes)
+  for (TissueKind mode : kModes)
     for (double degrees : {0., 35., 180.}) {
       const Head h;
       InlineWorkers w;
@@ -137,26 +138,27 @@ TEST(FaceModel, AHeadThatTurnsWholeTakesFaceAndTissueAlong) {
       const Eigen::Isometry3d T = motion({0.3, -1, 0.8}, degrees, {12, 40, -7});
       f.follow(turned(bones, T));
       EXPECT_TRUE(f.at_rest());
-      EXPECT_LT(apart(T, face, f.face().x_mm), 1e-9) << name_of(mode) << " " << degrees;
-      EXPECT_LT(apart(T, tissue, f.tissues()[0]->x_mm), 1e-9) << name_of(mode) << " " << degrees;
+      EXPECT_LT(apart(T, face, f.face().x_mm), 1e-9) << kTissueKinds[size_t(mode)] << " " << degrees;
+      EXPECT_LT(apart(T, tissue, f.tissues()[0]->x_mm), 1e-9) << kTissueKinds[size_t(mode)] << " " << degrees;
       // Moved back by halves of the way, it is where it was.
       f.follow(bones);
-      EXPECT_LT(apart(Eigen::Isometry3d::Identity(), face, f.face().x_mm), 1e-9) << name_of(mode);
+      EXPECT_LT(apart(Eigen::Isometry3d::Identity(), face, f.face().x_mm), 1e-9) << kTissueKinds[size_t(mode)];
       // The rest of an operation goes on alike here and there: the bone goes back.
       FaceModel g = f;
       g.follow(turned(bones, T));
       f.follow(h.skull), g.follow(turned(h.skull, T));
       for (int i = 0; i < 3; ++i) f.step(16), g.step(16);
-      const double tolerance = mode == FaceMode::finite_elements ? 5e-4 : 1e-9;
-      EXPECT_LT(apart(T, f.face().x_mm, g.face().x_mm), tolerance) << name_of(mode) << " " << degrees;
-      EXPECT_LT(apart(T, f.tissues()[0]->x_mm, g.tissues()[0]->x_mm), tolerance) << name_of(mode) << " " << degrees;
+      const double tolerance = mode == TissueKind::finite_elements ? 5e-4 : 1e-9;
+      EXPECT_LT(apart(T, f.face().x_mm, g.face().x_mm), tolerance) << kTissueKinds[size_t(mode)] << " " << degrees;
+      EXPECT_LT(apart(T, f.tissues()[0]->x_mm, g.tissues()[0]->x_mm), tolerance)
+          << kTissueKinds[size_t(mode)] << " " << degrees;
     }
 }
 
 TEST(FaceModel, ABoneCarriesWhatStandsOnItRigidlyAndLeavesTheRest) {
   // Before the first iteration every column is where the piece of bone under it has gone, by rotation and shift, to
   // 1e-9; after many the covered middle is there still, since nothing loads it.
-  for (FaceMode mode : {FaceMode::springs, FaceMode::shape}) {
+  for (TissueKind mode : {TissueKind::springs, TissueKind::shape}) {
     const Head h;
     InlineWorkers w;
     FaceModel f(h.face, w);
@@ -164,7 +166,7 @@ TEST(FaceModel, ABoneCarriesWhatStandsOnItRigidlyAndLeavesTheRest) {
     const std::vector<Vec3> tissue = f.tissues()[0]->x_mm;
     const Eigen::Isometry3d T = motion({0.2, 1, 0.4}, 170, {2, -5, 3});
     f.follow(moved(h.skull, T));
-    EXPECT_LT(apart(T, tissue, f.tissues()[0]->x_mm), 1e-9) << name_of(mode);
+    EXPECT_LT(apart(T, tissue, f.tissues()[0]->x_mm), 1e-9) << kTissueKinds[size_t(mode)];
     for (int32_t v : h.region) EXPECT_LT((T * h.face.x_mm[size_t(v)] - f.face().x_mm[size_t(v)]).norm(), 1e-9);
     std::vector<uint8_t> covered(h.face.x_mm.size(), 0);
     for (int32_t v : h.region) covered[size_t(v)] = 1;
@@ -176,7 +178,7 @@ TEST(FaceModel, ABoneCarriesWhatStandsOnItRigidlyAndLeavesTheRest) {
   const Head h;
   InlineWorkers w;
   FaceModel f(h.face, w);
-  ASSERT_TRUE(f.connect(h.skull, h.plan(FaceMode::finite_elements)).done);
+  ASSERT_TRUE(f.connect(h.skull, h.plan(TissueKind::finite_elements)).done);
   const Eigen::Isometry3d T = motion({0.2, 1, 0.4}, 30, {2, -5, 3});
   f.follow(moved(h.skull, T));
   for (int i = 0; i < 40; ++i) f.step(40);
@@ -195,7 +197,7 @@ TEST(FaceModel, ASymmetricMoveGivesASymmetricFace) {
   const Head h;
   InlineWorkers w;
   FaceModel f(h.face, w);
-  ASSERT_TRUE(f.connect(h.skull, h.plan(FaceMode::finite_elements, 3)).done);
+  ASSERT_TRUE(f.connect(h.skull, h.plan(TissueKind::finite_elements, 3)).done);
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity(), U = T;
   T.rotate(Eigen::AngleAxisd(0.05, h.out)), U.rotate(Eigen::AngleAxisd(-0.05, h.out));
   FaceModel g = f;
@@ -266,12 +268,12 @@ TEST(FaceModel, NeighbouringElasticRegionsHangTogether) {
   std::vector<int32_t> a, b;
   const Vec3 side = h.out.cross(Vec3(0.3, 0.5, 0.8)).normalized();
   for (int32_t v : h.region) (h.face.x_mm[size_t(v)].dot(side) > 0 ? a : b).push_back(v);
-  FaceTissuePlan p = h.plan(FaceMode::finite_elements), q = p;
+  FaceTissuePlan p = h.plan(TissueKind::finite_elements), q = p;
   p.face_region = a, q.face_region = b, q.name = "other";
   ASSERT_TRUE(both.connect(h.skull, p).done);
   const limberg::Outcome o = both.connect(h.skull, q);
   ASSERT_TRUE(o.done) << o.reason;
-  ASSERT_TRUE(one.connect(h.skull, h.plan(FaceMode::finite_elements)).done);
+  ASSERT_TRUE(one.connect(h.skull, h.plan(TissueKind::finite_elements)).done);
   Mesh skull = h.skull;
   for (Vec3& x : skull.x_mm) x += 3 * std::exp(-(x - 48 * h.out).squaredNorm() / 200) * h.out;
   both.follow(skull), one.follow(skull);
@@ -286,7 +288,7 @@ TEST(FaceModel, AnchorsFindTheirFragmentAfterACut) {
   Head h;
   InlineWorkers w;
   FaceModel f(h.face, w);
-  ASSERT_TRUE(f.connect(h.skull, h.plan(FaceMode::finite_elements)).done);
+  ASSERT_TRUE(f.connect(h.skull, h.plan(TissueKind::finite_elements)).done);
   const uint64_t before = f.hash();
   f.rebind(h.skull);
   EXPECT_TRUE(f.warnings().empty());
@@ -344,7 +346,7 @@ struct Cut {
 TEST(FaceModel, ACutMovesNothingWhereverTheBonesAre) {
   // The bones were turned before the tissue was tied, and again, and deformed the face, before they are cut: rebinding
   // at rest and following where they are leaves every place as it was.
-  for (FaceMode mode : kModes) {
+  for (TissueKind mode : kModes) {
     const Head h;
     InlineWorkers w;
     const Eigen::Isometry3d A = motion({1, 1, 0}, 70, {5, 0, 9}), B = motion({0, 1, 3}, 100, {-20, 3, 0});
@@ -361,9 +363,9 @@ TEST(FaceModel, ACutMovesNothingWhereverTheBonesAre) {
     f.rebind(cut.skull);
     f.follow(now);
     EXPECT_EQ(f.warnings().size(), 1u);
-    EXPECT_TRUE(f.at_rest()) << name_of(mode);
-    EXPECT_LT(apart(Eigen::Isometry3d::Identity(), face, f.face().x_mm), 1e-9) << name_of(mode);
-    EXPECT_LT(apart(Eigen::Isometry3d::Identity(), tissue, f.tissues()[0]->x_mm), 1e-9) << name_of(mode);
+    EXPECT_TRUE(f.at_rest()) << kTissueKinds[size_t(mode)];
+    EXPECT_LT(apart(Eigen::Isometry3d::Identity(), face, f.face().x_mm), 1e-9) << kTissueKinds[size_t(mode)];
+    EXPECT_LT(apart(Eigen::Isometry3d::Identity(), tissue, f.tissues()[0]->x_mm), 1e-9) << kTissueKinds[size_t(mode)];
     // Feet that the cut did not take are known by the place; those along it
     // stand on new vertices: both at the same places as before. Both fragments
     // by one motion that the anvil does not share: as if there were no cut.
@@ -381,18 +383,19 @@ TEST(FaceModel, ACutMovesNothingWhereverTheBonesAre) {
     };
     f.follow(together(now)), uncut.follow(together(turned(bones, B)));
     f.step(24), uncut.step(24);
-    const double tolerance = mode == FaceMode::finite_elements ? 2e-3 : 1e-8;
-    EXPECT_LT(apart(Eigen::Isometry3d::Identity(), uncut.face().x_mm, f.face().x_mm), tolerance) << name_of(mode);
+    const double tolerance = mode == TissueKind::finite_elements ? 2e-3 : 1e-8;
+    EXPECT_LT(apart(Eigen::Isometry3d::Identity(), uncut.face().x_mm, f.face().x_mm), tolerance)
+        << kTissueKinds[size_t(mode)];
     EXPECT_LT(apart(Eigen::Isometry3d::Identity(), uncut.tissues()[0]->x_mm, f.tissues()[0]->x_mm), tolerance)
-        << name_of(mode);
-    if (mode != FaceMode::smoothing) {
+        << kTissueKinds[size_t(mode)];
+    if (mode != TissueKind::smoothing) {
       EXPECT_GT((uncut.face().x_mm[5] - face[5]).norm(), 1);
     }
   }
 }
 
 TEST(FaceModel, AfterACutEachColumnGoesWithItsOwnFragment) {
-  for (FaceMode mode : {FaceMode::springs, FaceMode::shape}) {
+  for (TissueKind mode : {TissueKind::springs, TissueKind::shape}) {
     Head h;
     h.region = region_around(h.face, 5, 40);
     InlineWorkers w;
@@ -421,7 +424,7 @@ TEST(FaceModel, AfterACutEachColumnGoesWithItsOwnFragment) {
 
 TEST(FaceModel, ARestThatIsSetAnewIsStoodOnWhereItIs) {
   // What a join does: the cap has been lifted, and its vertices at rest are put where they are. Nothing may pop.
-  for (FaceMode mode : {FaceMode::shape, FaceMode::finite_elements}) {
+  for (TissueKind mode : {TissueKind::shape, TissueKind::finite_elements}) {
     const Head h;
     InlineWorkers w;
     FaceModel f(h.face, w);
@@ -444,7 +447,7 @@ TEST(FaceModel, ARestThatIsSetAnewIsStoodOnWhereItIs) {
     f.rebind(renumbered(now));
     f.follow(renumbered(now));
     EXPECT_TRUE(f.at_rest());
-    EXPECT_LT(apart(Eigen::Isometry3d::Identity(), face, f.face().x_mm), 1e-9) << name_of(mode);
+    EXPECT_LT(apart(Eigen::Isometry3d::Identity(), face, f.face().x_mm), 1e-9) << kTissueKinds[size_t(mode)];
     // And its turn is known: half of the way back is the same from either account.
     FaceModel other(h.face, w);
     ASSERT_TRUE(other.connect(h.skull, h.plan(mode)).done);
@@ -456,8 +459,8 @@ TEST(FaceModel, ARestThatIsSetAnewIsStoodOnWhereItIs) {
     f.follow(renumbered(back)), other.follow(back);
     f.step(40), other.step(40);
     EXPECT_LT(apart(Eigen::Isometry3d::Identity(), other.face().x_mm, f.face().x_mm),
-              mode == FaceMode::finite_elements ? 1e-3 : 1e-8)
-        << name_of(mode);
+              mode == TissueKind::finite_elements ? 1e-3 : 1e-8)
+        << kTissueKinds[size_t(mode)];
   }
 }
 
@@ -465,15 +468,15 @@ TEST(FaceModel, CopiesAreIndependentAndRefusalsChangeNothing) {
   const Head h;
   InlineWorkers w;
   FaceModel f(h.face, w);
-  FaceTissuePlan bad = h.plan(FaceMode::springs);
+  FaceTissuePlan bad = h.plan(TissueKind::springs);
   bad.face_region.push_back(bad.face_region[0]);
   EXPECT_FALSE(f.connect(h.skull, bad).done);
-  bad = h.plan(FaceMode::finite_elements), bad.young_kPa = 0;
+  bad = h.plan(TissueKind::finite_elements), bad.young_kPa = 0;
   EXPECT_FALSE(f.connect(h.skull, bad).done);
   EXPECT_TRUE(f.tissues().empty());
-  ASSERT_TRUE(f.connect(h.skull, h.plan(FaceMode::finite_elements)).done);
-  EXPECT_FALSE(f.connect(h.skull, h.plan(FaceMode::springs)).done);  // the name, and the vertices
-  FaceTissuePlan other = h.plan(FaceMode::springs);
+  ASSERT_TRUE(f.connect(h.skull, h.plan(TissueKind::finite_elements)).done);
+  EXPECT_FALSE(f.connect(h.skull, h.plan(TissueKind::springs)).done);  // the name, and the vertices
+  FaceTissuePlan other = h.plan(TissueKind::springs);
   other.name = "other";
   EXPECT_NE(f.connect(h.skull, other).reason.find("overlaps that of tissue cheek"), std::string::npos)
       << f.connect(h.skull, other).reason;
@@ -489,7 +492,7 @@ TEST(FaceModel, CopiesAreIndependentAndRefusalsChangeNothing) {
   settle(copy), settle(f);
   for (size_t v = 0; v < h.face.x_mm.size(); ++v) EXPECT_LT((copy.face().x_mm[v] - f.face().x_mm[v]).norm(), 1e-2);
   FaceModel none(Mesh{}, w);
-  EXPECT_FALSE(none.connect(h.skull, h.plan(FaceMode::springs)).done);
+  EXPECT_FALSE(none.connect(h.skull, h.plan(TissueKind::springs)).done);
   EXPECT_TRUE(none.step(5).at_rest);
   EXPECT_EQ(f.describe().size(), 1u);
 }

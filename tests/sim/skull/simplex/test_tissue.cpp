@@ -190,7 +190,7 @@ TEST(ShapeMode, IsExactForRigidMotionsEvenByHalfATurn) {
     for (size_t v = 0; v < rest.size(); ++v)
       if (t.role[v] == TissueRole::face || t.role[v] == TissueRole::skull) t.x_mm[v] = T * rest[v];
     TissueLaw law;
-    law.mode = TissueMode::shape;
+    law.mode = TissueKind::shape;
     for (int i = 0; i < 4000; ++i) {
       if (i % 4 == 0) turn_shape(t, w);
       step(t, law, w);
@@ -221,7 +221,7 @@ TEST(ShapeMode, SmallDisplacementsAreHarmonicInTheConductances) {
     for (size_t v = 0; v < rest.size(); ++v)
       if (t.role[v] == TissueRole::face) t.x_mm[v] += by;
     TissueLaw law;
-    law.mode = TissueMode::shape;
+    law.mode = TissueKind::shape;
     for (int i = 0; i < 3000; ++i) {
       if (i % 8 == 0) turn_shape(t, w);
       step(t, law, w);
@@ -327,6 +327,9 @@ TEST(Stiffness, BoundHoldsUnderLargeElongation) {
   EXPECT_THROW(step(t, bad, w), InputError);
   bad = {};
   bad.spring.ratio = 0.5;
+  EXPECT_THROW(step(t, bad, w), InputError);
+  bad = {};
+  bad.mode = TissueKind::finite_elements;
   EXPECT_THROW(step(t, bad, w), InputError);
 }
 
