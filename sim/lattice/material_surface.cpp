@@ -23,7 +23,7 @@ std::vector<int32_t> MaterialSurface::suspects(int32_t operations_then, size_t f
   }
   // The last operation of that time may have gone on since: debris is swept as a part of it.
   for (size_t i = size_t(std::max(0, operations_then - 1)); i < history->size(); ++i) {
-    const Delta& d = (*history)[i];
+    const OperationDelta& d = (*history)[i];
     for (int32_t f : d.retired)
       if (size_t(f) < faces_then) out.push_back(f);
     for (const auto& m : d.mat)

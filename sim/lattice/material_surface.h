@@ -14,7 +14,7 @@ namespace limberg {
 
 class Arrangement;
 class PointStore;
-struct Delta;
+struct OperationDelta;
 
 struct MaterialSurface {
   RestGrid grid;
@@ -23,8 +23,8 @@ struct MaterialSurface {
   std::span<const OrigTri> orig;
   std::span<const SurfaceTag> tag;  // per triangle of the body; originals of op 0 come first
   const PointStore* points = nullptr;
-  const std::vector<Delta>* history = nullptr;  // what each operation has changed; null: not recorded
-  int32_t operations() const;                   // so far
+  const std::vector<OperationDelta>* history = nullptr;  // what each operation has changed; null: not recorded
+  int32_t operations() const;                            // so far
 
   /// Those of the first `faces_then` faces that may have changed since there were so many operations, ascending: a few,
   /// when there is a history, else all.

@@ -80,7 +80,7 @@ RandomOperators random_operators(const Mesh& start, int64_t operations, uint64_t
     // Mostly local operators; t1 and t2 so that the size stays.
     const int32_t roll = d.below(100);
     const int kind = roll < 50 ? (m.vertices() > size ? 0 : 1) : roll < 70 ? 2 : 3 + roll % 4;
-    Outcome o;
+    OperatorResult o;
     int64_t V = 0, E = 0, F = 0, chi = 0;
     const int32_t p = any_vertex(m, d), q = d.below(20) == 0 ? any_vertex(m, d) : m.nbr[size_t(p)][size_t(d.below(3))];
     if (kind == 0) {

@@ -56,7 +56,7 @@ Freed free_piece(const HeadModel& head, const bone::Osteotomy& cut, Workers& w) 
   Freed out;
   bone::Osteotomy o = cut;
   o.fragment = bones.nearest_fragment(cut.kind == bone::Osteotomy::Kind::plane ? cut.point_mm : cut.path_mm[0]);
-  if (const limberg::Outcome done = bones.cut(o); !done.done) {
+  if (const Outcome done = bones.cut(o); !done.done) {
     out.refused = done.reason;
     return out;
   }

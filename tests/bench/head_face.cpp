@@ -41,8 +41,7 @@ FaceModel tied(const HeadModel& head, const HeadCase& c, const Mode& mode, Worke
   if (mode.hold >= 0) s.hold = mode.hold;
   FaceModel f(head.face, w, s);
   for (const HeadCase::Tie& t : c.ties)
-    if (const limberg::Outcome o = f.connect(c.bones, {t.name, t.face_region, {}, t.layers, t.young_kPa, mode.mode});
-        !o.done)
+    if (const Outcome o = f.connect(c.bones, {t.name, t.face_region, {}, t.layers, t.young_kPa, mode.mode}); !o.done)
       throw InputError("", 0, c.name + ", " + t.name + ": " + o.reason);
   return f;
 }

@@ -37,7 +37,7 @@ void head_session(Result& out, const HeadModel& model, const HeadSettings& setti
     for (const simplex::Tissue* t : head.face_model().tissues()) tissue += size_t(t->vertices());
     const auto act = [&](const HeadCommand& c) {
       const double t0 = cpu_ms();
-      const limberg::Outcome o = patient.apply(c);
+      const Outcome o = patient.apply(c);
       if (!o.done) throw InputError("", 0, "bench head: " + o.reason);
       return cpu_ms() - t0;
     };

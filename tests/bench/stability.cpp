@@ -41,7 +41,7 @@ std::vector<Vec3> to_double(std::span<const Vec3f> u) {
   return d;
 }
 
-struct Outcome {
+struct StabilityResult {
   bool pass = false;
   int steps = 0;  // after the release, until at rest
   double distance_mm = 0;
@@ -58,8 +58,8 @@ std::vector<Spring> ramped(const StabilityCase& c, int steps) {
   return load;
 }
 
-Outcome ours(const StabilityCase& c) {
-  Outcome o;
+StabilityResult ours(const StabilityCase& c) {
+  StabilityResult o;
   const double t0 = cpu_ms();
   InlineWorkers workers;
   auto solver = make_solver(workers);
@@ -137,8 +137,8 @@ Outcome ours(const StabilityCase& c) {
   return fail("not at rest again");
 }
 
-Outcome newton(const StabilityCase& c, const FemModel& model) {
-  Outcome o;
+StabilityResult newton(const StabilityCase& c, const FemModel& model) {
+  StabilityResult o;
   const double t0 = cpu_ms();
   std::vector<Vec3> u(model.X_mm.size(), Vec3::Zero());
   if (!c.start.empty()) u = to_double(c.start);
@@ -162,8 +162,8 @@ Outcome newton(const StabilityCase& c, const FemModel& model) {
 }
 
 /// Bullet's body; its one material's constants from the case.
-Outcome bullet(const StabilityCase& c) {
-  Outcome o;
+StabilityResult bullet(const StabilityCase& c) {
+  StabilityResult o;
   const double t0 = cpu_ms(), dt = c.dt_s > 0 ? c.dt_s : 1.0 / 60;
   const auto [mu, lambda] = bullet_constants(c.young_kPa, c.poisson);
   BulletBody body(*c.model, mu, lambda);
@@ -226,7 +226,7 @@ struct Failures {
   }
 };
 
-Row row(const StabilityCase& c, const char* method, const Outcome& o, bool under_test) {
+Row row(const StabilityCase& c, const char* method, const StabilityResult& o, bool under_test) {
   Row r;
   r.name = c.family + ": " + c.name;
   r.method = method;
@@ -248,20 +248,20 @@ Result stability(const StabilitySettings& settings) {
     if (!settings.only.empty() && (c.family + ": " + c.name).find(settings.only) == std::string::npos) continue;
     ++run_cases;
     if (settings.progress) settings.progress(c.family + ": " + c.name);
-    const Outcome o = ours(c);
+    const StabilityResult o = ours(c);
     passed += o.pass;
     out.rows.push_back(row(c, "limberg (steps of 40 iterations)", o, true));
     if (!settings.quick && settings.peers && c.one_material && has_bullet()) {
-      const Outcome k = bullet(c);
+      const StabilityResult k = bullet(c);
       by_bullet.count(c, k.pass);
       out.rows.push_back(row(c, "Bullet deformable", k, false));
     }
     if (settings.quick || !settings.peers || c.dt_s > 0) continue;  // the peers here are quasi-static
-    const Outcome n = newton(c, *c.model);
+    const StabilityResult n = newton(c, *c.model);
     by_newton.count(c, n.pass);
     out.rows.push_back(row(c, "full Newton, same energy (iterations)", n, false));
     if (c.has_laws) continue;
-    const Outcome k = newton(c, *corotated_twin(*c.model));
+    const StabilityResult k = newton(c, *corotated_twin(*c.model));
     by_corotated.count(c, k.pass);
     out.rows.push_back(row(c, "full Newton, linear corotated", k, false));
   }

@@ -163,7 +163,7 @@ CutResult Arrangement::cut(const Blade& blade, uint64_t seed, int first_try) {
 bool Arrangement::undo() {
   ArrangementStore& s = *store_;
   if (s.history.empty()) return false;
-  const Delta d = std::move(s.history.back());
+  const OperationDelta d = std::move(s.history.back());
   s.history.pop_back();
   s.take_back(d);
   s.last = LastOperation{};

@@ -106,7 +106,7 @@ std::string Arrangement::check_all() const {
   ArrangementStore& writable = const_cast<ArrangementStore&>(s);
   for (int32_t f = 0; f < int32_t(s.face.size()); ++f)
     for (size_t k = 0; k < 3 && s.face[f].live(); ++k) {
-      Delta changes;
+      OperationDelta changes;
       changes.faces = int32_t(s.face.size());
       if (const char* why = writable.glue_edge(s.face[f].v[k], s.face[f].v[(k + 1) % 3], &changes))
         return at((std::string("I13: ") + why + ", face").c_str(), f);

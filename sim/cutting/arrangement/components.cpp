@@ -117,7 +117,7 @@ void ArrangementStore::find_components() const {
   components_known = true;
 }
 
-void ArrangementStore::update_components(Delta& delta) {
+void ArrangementStore::update_components(OperationDelta& delta) {
   if (!components_known) return;
   components_known = false;  // until it has worked out
   const int32_t old_sided = 2 * delta.faces;

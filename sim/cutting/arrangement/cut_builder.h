@@ -74,7 +74,7 @@ class CutBuilder {
   std::vector<Int3> vertex_;
   std::string reason_;
 
-  Delta delta_;
+  OperationDelta delta_;
   LastOperation last_before_;
   bool committing_ = false, accounted_ = false;
   std::vector<int32_t> blade_point_;

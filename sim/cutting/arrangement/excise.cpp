@@ -5,8 +5,8 @@
 
 namespace limberg {
 
-Delta ArrangementStore::begin_delta(LastOperation::Kind kind) const {
-  Delta d;
+OperationDelta ArrangementStore::begin_delta(LastOperation::Kind kind) const {
+  OperationDelta d;
   d.kind = kind;
   d.points = points.size();
   d.faces = int32_t(face.size());
@@ -21,7 +21,7 @@ Delta ArrangementStore::begin_delta(LastOperation::Kind kind) const {
   return d;
 }
 
-int32_t ArrangementStore::clear_components(const std::vector<uint8_t>& marked, Delta& d) {
+int32_t ArrangementStore::clear_components(const std::vector<uint8_t>& marked, OperationDelta& d) {
   int32_t cleared = 0;
   std::vector<int32_t> origs, gone, changed;
   for (int32_t f = 0; f < int32_t(face.size()); ++f) {
@@ -90,7 +90,7 @@ ExciseResult Arrangement::excise(int32_t which) {
     return result;
   }
   ArrangementStore& s = *store_;
-  Delta d = s.begin_delta(LastOperation::excision);
+  OperationDelta d = s.begin_delta(LastOperation::excision);
   s.last = LastOperation{};
   s.last.kind = LastOperation::excision;
   std::vector<uint8_t> marked(all.size(), 0);

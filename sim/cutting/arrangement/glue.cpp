@@ -44,7 +44,7 @@ bool sort_radially(const PointStore& points, int32_t a, int32_t b, std::vector<R
   return ok;
 }
 
-const char* ArrangementStore::glue_edge(int32_t a, int32_t b, int32_t h0, Delta* delta) {
+const char* ArrangementStore::glue_edge(int32_t a, int32_t b, int32_t h0, OperationDelta* delta) {
   const auto set = [&](int32_t f, int side, int k, int32_t value) {
     int32_t& m = mate[size_t(f)][size_t(3 * side + k)];
     if (m == value) return;

@@ -41,7 +41,7 @@ struct Components {
 using PieceLinks = std::array<int32_t, 3>;
 
 /// Everything needed to take one operation back, and nothing else.
-struct Delta {
+struct OperationDelta {
   LastOperation::Kind kind = LastOperation::none;
   int32_t points = 0, faces = 0, origs = 0, divisions = 0, ops = 0;  // array lengths before
   size_t division_faces = 0, division_constraints = 0;
@@ -73,7 +73,7 @@ struct ArrangementStore {
   std::vector<OpRecord> op;
   Forest forest;                // of blades
   std::vector<SurfaceTag> tag;  // per body triangle
-  std::vector<Delta> history;
+  std::vector<OperationDelta> history;
   LastOperation last;
   std::shared_ptr<CutScratch> scratch;  // working space of cuts (cut_scratch.h), of no meaning between them
   uint64_t hash_sum = 0;                // sum of face_hash over live faces
@@ -134,20 +134,22 @@ struct ArrangementStore {
   void account_sums(int32_t f, bool in);
   /// Sets the mates of every live face at the edge a-b by the radial rule; old ones of faces older than `delta` go to
   /// it. Returns a description of the contradiction if there is one, else null.
-  const char* glue_edge(int32_t a, int32_t b, Delta* delta) { return glue_edge(a, b, edges.first(a, b), delta); }
+  const char* glue_edge(int32_t a, int32_t b, OperationDelta* delta) {
+    return glue_edge(a, b, edges.first(a, b), delta);
+  }
   /// The same where the first half-edge at a-b is known.
-  const char* glue_edge(int32_t a, int32_t b, int32_t first, Delta* delta);
+  const char* glue_edge(int32_t a, int32_t b, int32_t first, OperationDelta* delta);
 
   // components.cpp
   void find_components() const;
   /// After a cut: when every component that it went through is still one piece, brings them up to date at the cost of
   /// what has changed. Else they are found afresh when next asked for.
-  void update_components(Delta& delta);
+  void update_components(OperationDelta& delta);
 
   // excise.cpp
-  Delta begin_delta(LastOperation::Kind kind) const;
+  OperationDelta begin_delta(LastOperation::Kind kind) const;
   /// Clears the material bits of the components marked 1; records it in the delta and in `last`. Returns sided faces.
-  int32_t clear_components(const std::vector<uint8_t>& marked, Delta& delta);
+  int32_t clear_components(const std::vector<uint8_t>& marked, OperationDelta& delta);
 
   /// snap.cpp: does every triangle of the blade lie on walls of earlier cuts, within 50 micrometres and 15 degrees?
   bool is_cut_already(const Blade& blade) const;
@@ -156,7 +158,7 @@ struct ArrangementStore {
   const char* wrong_links(int32_t o) const;
 
   // undo.cpp
-  void take_back(const Delta& delta);
+  void take_back(const OperationDelta& delta);
   /// Makes the box tree of the last operation.
   void plant();
 };

@@ -3,7 +3,7 @@
 
 namespace limberg {
 
-void ArrangementStore::take_back(const Delta& d) {
+void ArrangementStore::take_back(const OperationDelta& d) {
   // Bits return first (debris may have been swept from faces that the operation made); then faces made by the operation
   // leave the edge map and those it retired return.
   for (size_t i = d.mat.size(); i-- > 0;) {
@@ -22,7 +22,7 @@ void ArrangementStore::take_back(const Delta& d) {
   face.resize(size_t(d.faces));
   mate.resize(size_t(d.faces));
   for (size_t i = d.orig.size(); i-- > 0;) {
-    const Delta::OrigBefore& b = d.orig[i];
+    const OperationDelta::OrigBefore& b = d.orig[i];
     OrigTri& o = orig[b.orig];
     o.live = b.live;
     o.whole = b.whole;

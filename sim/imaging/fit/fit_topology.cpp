@@ -114,7 +114,7 @@ void Topology::check(double edge_mm, std::vector<uint8_t>& still) {
         if (const double d = (face_centre(m_, f) - there).norm(); d < nearest) nearest = d, best = f;
     if (best < 0) continue;
     Delta d;
-    const Outcome o = t3(m_, best, c.face, d);
+    const OperatorResult o = t3(m_, best, c.face, d);
     if (o)
       ++joined, any = true;
     else
@@ -156,7 +156,7 @@ void Topology::cut_necks(const std::vector<Neck>& neck, double edge_mm) {
     }
     if (best.empty()) continue;
     Delta d;
-    const Outcome o = t4_edges(m_, best, CutPolicy::any, d);
+    const OperatorResult o = t4_edges(m_, best, CutPolicy::any, d);
     if (!o) continue;
     if (o.divided) {
       // A tip that has come loose, or a piece of the tube, is no body:
@@ -219,7 +219,7 @@ std::vector<std::vector<int32_t>> parts_of(const Mesh& m, const Faces& in, bool 
 
 /// Opens a region: small islands of surface in it go with it; where larger parts of the surface remain on several sides
 /// of it, each is cut off along its own border and gets a hole of its own.
-Outcome open_region(Mesh& m, std::vector<int32_t> region) {
+OperatorResult open_region(Mesh& m, std::vector<int32_t> region) {
   Faces in(m.face_edge.size(), 0);
   for (int32_t f : region) in[size_t(f)] = 1;
   bool largest = true;
@@ -236,7 +236,7 @@ Outcome open_region(Mesh& m, std::vector<int32_t> region) {
     largest = false;
   }
   Delta all;
-  Outcome o;
+  OperatorResult o;
   for (const auto& part : side) {
     const ContourResult border = contour_of_faces(m, part);
     o.answer = Answer::not_a_cycle;
@@ -272,7 +272,7 @@ int open_blind(Mesh& m, std::vector<uint8_t> blind, std::vector<std::string>& no
     if (!whole || surface < 3) continue;
     const Vec3 at = face_centre(m, g[g.size() / 2]);
     // As it is; else smoother: closed (grown, then shrunk), grown, opened.
-    Outcome o;
+    OperatorResult o;
     for (int attempt = 0; attempt < 5; ++attempt) {
       Faces in(m.face_edge.size(), 0);
       for (int32_t f : g) in[size_t(f)] = 1;

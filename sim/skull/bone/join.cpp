@@ -124,7 +124,7 @@ std::string join_mouths(Mesh& m, int32_t x, int32_t y, simplex::Delta& d) {
   constexpr double kAsCut_mm = 0.1;
   if (apart(m, x, y) < kAsCut_mm && simplex::t3_spokes(m, x, y, d)) return "";
   if (simplex::t3(m, x, y, d)) return "";
-  const simplex::Outcome o = simplex::t3_spokes(m, x, y, d);
+  const simplex::OperatorResult o = simplex::t3_spokes(m, x, y, d);
   return o ? "" : std::string("the cut surfaces cannot be joined: ") + simplex::sentence(o.answer);
 }
 

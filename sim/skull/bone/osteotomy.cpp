@@ -183,7 +183,7 @@ Plan plan_contour(const Mesh& m, std::span<const uint8_t> in, const Osteotomy& o
 
 /// Cuts along one curve; what faces what across it.
 std::string cut_curve(Mesh& m, const std::vector<Crossing>& curve, simplex::Delta& delta, Facing& mouth) {
-  const simplex::Outcome o = simplex::t4_edges(m, curve, simplex::CutPolicy::any, delta);
+  const simplex::OperatorResult o = simplex::t4_edges(m, curve, simplex::CutPolicy::any, delta);
   if (!o) {
     switch (o.answer) {
       case simplex::Answer::on_contour:

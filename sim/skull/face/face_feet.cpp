@@ -4,7 +4,7 @@
 
 namespace limberg::simplex {
 
-Vec3 place_of(const Anchor& a, const Mesh& m) {
+Vec3 place_of(const BoneAnchor& a, const Mesh& m) {
   const Vec3 &A = m.x_mm[size_t(a.skull[0])], &B = m.x_mm[size_t(a.skull[1])], &C = m.x_mm[size_t(a.skull[2])];
   Vec3 x = a.weight[0] * A + a.weight[1] * B + a.weight[2] * C;
   const Vec3 N = (B - A).cross(C - A);
@@ -12,7 +12,7 @@ Vec3 place_of(const Anchor& a, const Mesh& m) {
   return x;
 }
 
-Foot make_foot(const Anchor& a, const Mesh& bones, const Mesh& rest) {
+Foot make_foot(const BoneAnchor& a, const Mesh& bones, const Mesh& rest) {
   Foot f;
   f.at = a, f.rest_mm = place_of(a, rest), f.now_mm = place_of(a, bones);
   f.turn = axes_of(a, bones) * axes_of(a, rest).transpose();
@@ -58,7 +58,7 @@ void Standing::build(const std::vector<uint8_t>& in) {
   if (!subset.empty()) bvh_ = Bvh(fan_.X_mm, fan_.tri, subset);
 }
 
-double Standing::stand(const Vec3& p, Anchor& a) const {
+double Standing::stand(const Vec3& p, BoneAnchor& a) const {
   if (bvh_.empty()) return -1;
   const Bvh::Closest c = bvh_.closest(p);
   const Tri& t = fan_.tri[size_t(c.triangle)];

@@ -13,15 +13,15 @@
 namespace limberg::simplex {
 
 struct Foot {
-  Anchor at;
+  BoneAnchor at;
   Vec3 rest_mm = Vec3::Zero();   // where it stands on the bones at rest
   Mat3 turn = Mat3::Identity();  // of its bone from rest to when it was connected
   Vec3 now_mm = Vec3::Zero();    // place and turn (since connected) of the last carry
   Mat3 now_turn = Mat3::Identity();
 };
 
-Vec3 place_of(const Anchor& anchor, const Mesh& bones);
-Foot make_foot(const Anchor& anchor, const Mesh& bones_now, const Mesh& bones_at_rest);
+Vec3 place_of(const BoneAnchor& anchor, const Mesh& bones);
+Foot make_foot(const BoneAnchor& anchor, const Mesh& bones_now, const Mesh& bones_at_rest);
 
 /// The map x -> Q x + c of what stands over a foot, since the last
 /// carry; how far the foot itself went, mm. The foot is then there.
@@ -44,7 +44,7 @@ class Standing {
   bool empty() const { return bvh_.empty(); }
   /// The place of the ground nearest to p: three vertices of the face it
   /// lies in carry p. How far it is, mm; less than 0: there is no ground.
-  double stand(const Vec3& p_mm, Anchor& anchor) const;
+  double stand(const Vec3& p_mm, BoneAnchor& anchor) const;
 
  private:
   void build(const std::vector<uint8_t>& in);

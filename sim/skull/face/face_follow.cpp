@@ -99,7 +99,7 @@ void FaceModel::rebind(const Mesh& rest) {
   std::vector<int32_t> component;
   components(rest, component);
   const auto holds = [&](const Foot& f) {
-    const Anchor& a = f.at;
+    const BoneAnchor& a = f.at;
     return rest.alive(a.skull[0]) && rest.alive(a.skull[1]) && rest.alive(a.skull[2]) &&
            component[size_t(a.skull[0])] == component[size_t(a.skull[1])] &&
            component[size_t(a.skull[1])] == component[size_t(a.skull[2])] &&

@@ -14,7 +14,7 @@
 namespace limberg::simplex {
 namespace {
 
-limberg::Outcome refuse(std::string why) { return {false, std::move(why)}; }
+Outcome refuse(std::string why) { return {false, std::move(why)}; }
 
 }  // namespace
 
@@ -51,7 +51,7 @@ bool FaceModel::any(bool elastic) const {
                      [&](const Region& r) { return (r.plan.mode == TissueKind::finite_elements) == elastic; });
 }
 
-limberg::Outcome FaceModel::connect(const Mesh& bones, FaceTissuePlan plan, const Mesh* at_rest) {
+Outcome FaceModel::connect(const Mesh& bones, FaceTissuePlan plan, const Mesh* at_rest) {
   for (const Region& r : region_) {
     if (r.plan.name == plan.name)
       return refuse("there is a tissue " + plan.name + " already; another name was expected");
@@ -93,14 +93,14 @@ limberg::Outcome FaceModel::connect(const Mesh& bones, FaceTissuePlan plan, cons
     for (int32_t i : t.tet[tets - 3 * columns + 3 * c + 2])
       if (size_t(i) >= n * size_t(t.layers)) r.top[c][k++] = i;
   }
-  for (const Anchor& a : t.anchor) {
+  for (const BoneAnchor& a : t.anchor) {
     r.foot[size_t(r.column[size_t(a.vertex)])] = int32_t(r.anchor.size());
     r.anchor.push_back(make_foot(a, bones, rest));
   }
   if (plan.mode == TissueKind::finite_elements) {
     const Standing ground(bones, plan.skull_region);
     for (size_t i = 0; i < n; ++i) {
-      Anchor a;
+      BoneAnchor a;
       a.vertex = int32_t(i);
       if (ground.stand(t.node_mm[i], a) < 0) return refuse("the region of the skull has no surface");
       r.under.push_back(make_foot(a, bones, rest));

@@ -75,7 +75,7 @@ class FaceModel {
 
   /// Ties a region of the face to the bones as they are now. Refused with the reason (build_tissue's; a name used
   /// twice; a vertex that another region has) and nothing changed. `bones_at_rest`: when the bones have moved already.
-  limberg::Outcome connect(const Mesh& bones_now, FaceTissuePlan plan, const Mesh* bones_at_rest = nullptr);
+  Outcome connect(const Mesh& bones_now, FaceTissuePlan plan, const Mesh* bones_at_rest = nullptr);
 
   /// The bones have moved: ends of the tissues go along. Costs little when none of them concerns the face.
   void follow(const Mesh& bones_now);

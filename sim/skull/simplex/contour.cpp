@@ -203,15 +203,15 @@ std::vector<EndContour> end_contours(const Mesh& m) {
   return all;
 }
 
-Outcome open_hole(Mesh& m, std::span<const int32_t> faces, Delta& delta) {
+OperatorResult open_hole(Mesh& m, std::span<const int32_t> faces, Delta& delta) {
   const ContourResult border = contour_of_faces(m, faces);
   if (!border) {
-    Outcome o;
+    OperatorResult o;
     o.answer = Answer::not_a_cycle;
     return o;
   }
   Delta d;
-  Outcome o = t4(m, border.contour, CutPolicy::must_divide, d);
+  OperatorResult o = t4(m, border.contour, CutPolicy::must_divide, d);
   if (!o) return o;
   const int32_t hole = o.face[1], piece = m.from(m.face_edge[size_t(o.face[0])]);
   remove_component(m, piece, d);
@@ -219,7 +219,7 @@ Outcome open_hole(Mesh& m, std::span<const int32_t> faces, Delta& delta) {
   e.save_face(hole);
   m.face_kind[size_t(hole)] = FaceKind::hole;
   delta.append(std::move(d));
-  Outcome done;
+  OperatorResult done;
   done.face[0] = hole, done.divided = true;
   return done;
 }

@@ -51,7 +51,8 @@ struct EndContour {
 std::vector<EndContour> end_contours(const Mesh& mesh);
 
 /// Opens a hole where the region of faces is: t4 along its border, the piece removed, the mouth flagged as a hole.
-/// Outcome::face[0] is the hole. Refused as t4 refuses, or with Answer::not_a_cycle when the border is no simple cycle.
-Outcome open_hole(Mesh& mesh, std::span<const int32_t> faces, Delta& delta);
+/// OperatorResult::face[0] is the hole. Refused as t4 refuses, or with Answer::not_a_cycle when the border is no simple
+/// cycle.
+OperatorResult open_hole(Mesh& mesh, std::span<const int32_t> faces, Delta& delta);
 
 }  // namespace limberg::simplex

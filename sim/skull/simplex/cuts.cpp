@@ -36,9 +36,9 @@ bool connected(const Mesh& m, int32_t a, int32_t b) {
 }
 
 /// Ends a cut that `d` holds: obeys the policy or takes the cut back.
-Outcome conclude(Mesh& m, int32_t left, int32_t right, int32_t mouth_left, int32_t mouth_right, CutPolicy policy,
-                 Delta& d, Delta& delta) {
-  Outcome o;
+OperatorResult conclude(Mesh& m, int32_t left, int32_t right, int32_t mouth_left, int32_t mouth_right, CutPolicy policy,
+                        Delta& d, Delta& delta) {
+  OperatorResult o;
   o.divided = !connected(m, left, right);
   if (policy == CutPolicy::must_divide && !o.divided) o.answer = Answer::does_not_divide;
   if (policy == CutPolicy::must_not_divide && o.divided) o.answer = Answer::divides;
@@ -134,7 +134,7 @@ Ring interleave(const Mesh& m, const Mouths& o) {
 
 }  // namespace
 
-Outcome t4(Mesh& m, std::span<const int32_t> c, CutPolicy policy, Delta& delta) {
+OperatorResult t4(Mesh& m, std::span<const int32_t> c, CutPolicy policy, Delta& delta) {
   const size_t k = c.size();
   if (k < 3) return no(Answer::too_short);
   for (int32_t v : c)
@@ -194,13 +194,13 @@ Outcome t4(Mesh& m, std::span<const int32_t> c, CutPolicy policy, Delta& delta) 
   return conclude(m, l[0], r[0], x, y, policy, d, delta);
 }
 
-Outcome t3(Mesh& m, int32_t x, int32_t y, Delta& delta) {
+OperatorResult t3(Mesh& m, int32_t x, int32_t y, Delta& delta) {
   Mouths o;
   if (const Answer a = open_mouths(m, x, y, o); a != Answer::done) return no(a);
   return t3(m, x, y, interleave(m, o), delta);
 }
 
-Outcome t3(Mesh& m, int32_t x, int32_t y, std::span<const int32_t> c, Delta& delta) {
+OperatorResult t3(Mesh& m, int32_t x, int32_t y, std::span<const int32_t> c, Delta& delta) {
   Mouths o;
   if (const Answer a = open_mouths(m, x, y, o); a != Answer::done) return no(a);
   const size_t k = c.size();
@@ -245,7 +245,7 @@ Outcome t3(Mesh& m, int32_t x, int32_t y, std::span<const int32_t> c, Delta& del
   return {};
 }
 
-Outcome t4_edges(Mesh& m, std::span<const Crossing> curve, CutPolicy policy, Delta& delta) {
+OperatorResult t4_edges(Mesh& m, std::span<const Crossing> curve, CutPolicy policy, Delta& delta) {
   const size_t n = curve.size();
   if (n < 3) return no(Answer::too_short);
   Ring face(n);
@@ -295,7 +295,7 @@ Outcome t4_edges(Mesh& m, std::span<const Crossing> curve, CutPolicy policy, Del
   return conclude(m, s[0], t[0], x, y, policy, d, delta);
 }
 
-Outcome t3_spokes(Mesh& m, int32_t x, int32_t y, Delta& delta, int32_t start_x, int32_t start_y) {
+OperatorResult t3_spokes(Mesh& m, int32_t x, int32_t y, Delta& delta, int32_t start_x, int32_t start_y) {
   Mouths o;
   if (const Answer a = open_mouths(m, x, y, o); a != Answer::done) return no(a);
   const size_t k = o.l.size();
@@ -357,7 +357,7 @@ Outcome t3_spokes(Mesh& m, int32_t x, int32_t y, Delta& delta, int32_t start_x, 
   return {};
 }
 
-Outcome remove_component(Mesh& m, int32_t v, Delta& delta) {
+OperatorResult remove_component(Mesh& m, int32_t v, Delta& delta) {
   if (!m.alive(v)) return no(Answer::no_such_vertex, v);
   std::vector<int32_t> of;
   components(m, of);

@@ -114,7 +114,7 @@ Answer may_t1(const Mesh& m, int32_t p, int32_t q) {
   return Answer::done;
 }
 
-Outcome t1(Mesh& m, int32_t p, int32_t q, Delta& delta) {
+OperatorResult t1(Mesh& m, int32_t p, int32_t q, Delta& delta) {
   if (const Answer a = may_t1(m, p, q); a != Answer::done) return no(a, p, q);
   const Around s = around(m, p, q);
   Edit e(m, delta);
@@ -128,7 +128,7 @@ Outcome t1(Mesh& m, int32_t p, int32_t q, Delta& delta) {
   e.mark_face(s.D, m.edge(s.q2, s.q1));
   for (int32_t v : {s.p1, s.p2, s.q1, s.q2}) e.reshape(v);
   ++m.version;
-  Outcome o;
+  OperatorResult o;
   o.face[0] = keep;
   return o;
 }
@@ -149,7 +149,7 @@ Answer may_t2(const Mesh& m, int32_t f, int32_t u1, int32_t u2) {
   return Answer::done;
 }
 
-Outcome t2(Mesh& m, int32_t f, int32_t u1, int32_t u2, Delta& delta) {
+OperatorResult t2(Mesh& m, int32_t f, int32_t u1, int32_t u2, Delta& delta) {
   if (const Answer a = may_t2(m, f, u1, u2); a != Answer::done) return no(a, u1, u2);
   auto end_of = [&](int32_t u) {
     const Row& l = m.left[size_t(u)];
@@ -179,12 +179,12 @@ Outcome t2(Mesh& m, int32_t f, int32_t u1, int32_t u2, Delta& delta) {
   e.mark_face(g1, m.edge(v1, a)), e.mark_face(g2, m.edge(v2, b));
   for (int32_t v : {u1, v1, u2, v2, a, b}) e.reshape(v);
   ++m.version;
-  Outcome o;
+  OperatorResult o;
   o.vertex[0] = a, o.vertex[1] = b, o.face[0] = f, o.face[1] = fresh;
   return o;
 }
 
-Outcome t2_across(Mesh& m, int32_t f, Delta& delta) {
+OperatorResult t2_across(Mesh& m, int32_t f, Delta& delta) {
   if (!m.alive_face(f)) return no(Answer::no_such_face);
   const std::vector<int32_t> ring = m.ring(f);
   Vec3 c = Vec3::Zero();
@@ -214,7 +214,7 @@ Answer may_exchange(const Mesh& m, int32_t p, int32_t q) {
   return Answer::done;
 }
 
-Outcome exchange(Mesh& m, int32_t p, int32_t q, Turn turn, Delta& delta) {
+OperatorResult exchange(Mesh& m, int32_t p, int32_t q, Turn turn, Delta& delta) {
   if (const Answer a = may_exchange(m, p, q); a != Answer::done) return no(a, p, q);
   const Around s = around(m, p, q);
   Edit e(m, delta);

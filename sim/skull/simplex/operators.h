@@ -61,7 +61,7 @@ const char* sentence(Answer a);
 /// What a cut may do to the part that it is made in.
 enum class CutPolicy : uint8_t { any, must_divide, must_not_divide };
 
-struct Outcome {
+struct OperatorResult {
   Answer answer = Answer::done;
   int32_t vertex[2] = {-1, -1};  // t2: the new vertices; refusals: where, if known
   int32_t face[2] = {-1,
@@ -70,39 +70,39 @@ struct Outcome {
   explicit operator bool() const { return answer == Answer::done; }
 };
 /// A refusal, with the vertices that it is about.
-inline Outcome no(Answer a, int32_t v = -1, int32_t w = -1) {
-  Outcome o;
+inline OperatorResult no(Answer a, int32_t v = -1, int32_t w = -1) {
+  OperatorResult o;
   o.answer = a, o.vertex[0] = v, o.vertex[1] = w;
   return o;
 }
 
 /// Deletes the edge between p and q with both ends; the faces on its sides become one.
-Outcome t1(Mesh& mesh, int32_t p, int32_t q, Delta& delta);
+OperatorResult t1(Mesh& mesh, int32_t p, int32_t q, Delta& delta);
 Answer may_t1(const Mesh& mesh, int32_t p, int32_t q);
 
 /// Splits a face by a new edge from the middle of one of its edges to the middle of another;
 /// the edges are named by the vertex that they leave in the order of the face. vertex[0]
 /// lies on the first edge, face[0] is what lies after it. The new vertices go a third of the
 /// way from the edge's middle to the other edge's middle, with the velocity of the edge.
-Outcome t2(Mesh& mesh, int32_t face, int32_t u1, int32_t u2, Delta& delta);
+OperatorResult t2(Mesh& mesh, int32_t face, int32_t u1, int32_t u2, Delta& delta);
 Answer may_t2(const Mesh& mesh, int32_t face, int32_t u1, int32_t u2);
 /// The same across the longest direction of the face: by the edges that the plane through its centre, normal to its
 /// principal axis, crosses.
-Outcome t2_across(Mesh& mesh, int32_t face, Delta& delta);
+OperatorResult t2_across(Mesh& mesh, int32_t face, Delta& delta);
 
 enum class Turn : uint8_t { clockwise, counter_clockwise };
 /// Turns the edge p - q by a quarter about its middle, in the plane of its four neighbours: its side faces lose a
 /// vertex each, its end faces gain one.
-Outcome exchange(Mesh& mesh, int32_t p, int32_t q, Turn turn, Delta& delta);
+OperatorResult exchange(Mesh& mesh, int32_t p, int32_t q, Turn turn, Delta& delta);
 Answer may_exchange(const Mesh& mesh, int32_t p, int32_t q);
 
 /// Cuts along a contour, a cycle of neighbouring vertices. Each vertex goes to the side of its third neighbour.
-Outcome t4(Mesh& mesh, std::span<const int32_t> contour, CutPolicy policy, Delta& delta);
+OperatorResult t4(Mesh& mesh, std::span<const int32_t> contour, CutPolicy policy, Delta& delta);
 
 /// Joins faces x and y: their rings become one contour, which runs against the order of x and along the order of y.
 /// Without a contour, the rings are interleaved by their share of arc length, from the nearest pair of vertices on.
-Outcome t3(Mesh& mesh, int32_t x, int32_t y, Delta& delta);
-Outcome t3(Mesh& mesh, int32_t x, int32_t y, std::span<const int32_t> contour, Delta& delta);
+OperatorResult t3(Mesh& mesh, int32_t x, int32_t y, Delta& delta);
+OperatorResult t3(Mesh& mesh, int32_t x, int32_t y, std::span<const int32_t> contour, Delta& delta);
 
 /// An edge crossed by a closed curve: `right` lies to the right
 /// of the curve; the crossing is right + t (left - right) .
@@ -111,14 +111,14 @@ struct Crossing {
   double t = 0.5;  // of the way from left to right, 0..1
 };
 /// Cuts along a closed curve across edges; successive edges have a face in common. New vertices lie at the crossings.
-Outcome t4_edges(Mesh& mesh, std::span<const Crossing> curve, CutPolicy policy, Delta& delta);
+OperatorResult t4_edges(Mesh& mesh, std::span<const Crossing> curve, CutPolicy policy, Delta& delta);
 
 /// Joins faces x and y of equally many vertices spoke to spoke; both rings disappear.
 /// ring_x[0] goes with ring_y[0], where the rings start at the named vertices, x
 /// against its order and y along it. -1: the pairing with the least sum of squares.
-Outcome t3_spokes(Mesh& mesh, int32_t x, int32_t y, Delta& delta, int32_t start_x = -1, int32_t start_y = -1);
+OperatorResult t3_spokes(Mesh& mesh, int32_t x, int32_t y, Delta& delta, int32_t start_x = -1, int32_t start_y = -1);
 
 /// Removes the component of v. Kept contours in it go with it.
-Outcome remove_component(Mesh& mesh, int32_t v, Delta& delta);
+OperatorResult remove_component(Mesh& mesh, int32_t v, Delta& delta);
 
 }  // namespace limberg::simplex

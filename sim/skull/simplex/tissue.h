@@ -60,7 +60,7 @@ struct TissueSettings {
   double max_thickness_mm = 100;  // farther is no opposite side
 };
 
-struct Anchor {
+struct BoneAnchor {
   int32_t vertex = -1;              // of the tissue
   int32_t skull[3] = {-1, -1, -1};  // vertices of the skull that carry it
   double weight[3] = {0, 0, 0};
@@ -68,7 +68,7 @@ struct Anchor {
   Mat3 axes = Mat3::Identity();  // that turn with them, as they stood when the tissue was made
 };
 /// Right-handed axes that turn with the three vertices of the skull that an anchor names.
-Mat3 axes_of(const Anchor& anchor, const Mesh& skull);
+Mat3 axes_of(const BoneAnchor& anchor, const Mesh& skull);
 
 struct Tissue {
   std::vector<std::array<int32_t, 4>> nbr;
@@ -79,7 +79,7 @@ struct Tissue {
   std::vector<Mat3> turn;                                   // R, as the last turn_shape left it
   std::vector<Vec3> bent_mm;                      // sum_j k_ij (R_i + R_j)/2 (X_i - X_j) / sum_j k_ij, of the same
   std::vector<std::pair<int32_t, int32_t>> link;  // tissue vertex, face vertex
-  std::vector<Anchor> anchor;
+  std::vector<BoneAnchor> anchor;
   // The primal: nodes from the skull (layer 0) to the face, and tetrahedra of positive volume.
   std::vector<Vec3> node_mm;
   std::vector<std::array<int32_t, 4>> tet;

@@ -288,7 +288,7 @@ TissueResult build_tissue(const Mesh& face, std::span<const int32_t> region, con
       const bool over_bone = hovers[size_t(f.key[0])] || hovers[size_t(f.key[1])] || hovers[size_t(f.key[2])];
       const Vec3 foot = over_bone ? c : q.point_mm;
       t.x_mm.back() = foot;
-      Anchor a;
+      BoneAnchor a;
       a.vertex = b;
       // The fan's centre is not a vertex of the skull: carried by
       // the triangle of a face's vertices that is nearest to it.
@@ -342,7 +342,7 @@ TissueResult build_tissue(const Mesh& face, std::span<const int32_t> region, con
   return out;
 }
 
-Mat3 axes_of(const Anchor& a, const Mesh& skull) {
+Mat3 axes_of(const BoneAnchor& a, const Mesh& skull) {
   const Vec3 &A = skull.x_mm[size_t(a.skull[0])], &B = skull.x_mm[size_t(a.skull[1])],
              &C = skull.x_mm[size_t(a.skull[2])];
   const Vec3 N = (B - A).cross(C - A), e = B - A;
@@ -358,7 +358,7 @@ void follow(Tissue& t, const Mesh& face, const Mesh& skull) {
       throw InputError("", 0, "the tissue hangs on vertex " + std::to_string(f) + " of the face, which has gone");
     t.x_mm[size_t(v)] = face.x_mm[size_t(f)];
   }
-  for (const Anchor& a : t.anchor) {
+  for (const BoneAnchor& a : t.anchor) {
     Vec3 x = Vec3::Zero();
     for (size_t k = 0; k < 3; ++k) {
       if (!skull.alive(a.skull[k]))

@@ -34,11 +34,11 @@ inline simplex::Mesh skull_shell(int levels = 4, const Vec3& half_mm = {70, 85, 
   m.before_mm = m.x_mm;
   append(m, make_mesh(inner.nbr, inner.x_mm));
   Delta d;
-  std::vector<simplex::Outcome> mouths;
+  std::vector<simplex::OperatorResult> mouths;
   for (const auto& curve : curves_of_plane(m, {0, 0, -0.86 * half_mm.z()}, Vec3::UnitZ()).curve)
     mouths.push_back(t4_edges(m, curve, CutPolicy::must_divide, d));
   EXPECT_EQ(mouths.size(), 2u);
-  for (const simplex::Outcome& o : mouths) EXPECT_TRUE(remove_component(m, m.ring(o.face[1])[0], d));
+  for (const simplex::OperatorResult& o : mouths) EXPECT_TRUE(remove_component(m, m.ring(o.face[1])[0], d));
   EXPECT_TRUE(t3(m, mouths[0].face[0], mouths[1].face[0], d));
   compact(m);
   record_shape(m);

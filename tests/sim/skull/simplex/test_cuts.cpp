@@ -31,7 +31,7 @@ TEST(T4, CutsASphereInTwoAndT3JoinsItAgain) {
   const Census c = census(m);
   const std::vector<int32_t> contour = equator(m);
   Delta d;
-  const Outcome o = t4(m, contour, CutPolicy::must_divide, d);
+  const OperatorResult o = t4(m, contour, CutPolicy::must_divide, d);
   ASSERT_TRUE(o) << sentence(o.answer);
   ASSERT_EQ(find_fault(m).value_or(""), "");
   EXPECT_TRUE(o.divided);
@@ -46,7 +46,7 @@ TEST(T4, CutsASphereInTwoAndT3JoinsItAgain) {
   EXPECT_EQ(m.face_size[size_t(o.face[0])] + m.face_size[size_t(o.face[1])], int32_t(contour.size()));
   Mesh joined = m;
   Delta e;
-  const Outcome back = t3(joined, o.face[0], o.face[1], contour, e);
+  const OperatorResult back = t3(joined, o.face[0], o.face[1], contour, e);
   ASSERT_TRUE(back) << sentence(back.answer);
   ASSERT_EQ(find_fault(joined).value_or(""), "");
   EXPECT_EQ(topology_hash(joined), rows);
@@ -84,7 +84,7 @@ TEST(T4, ATorusOpensAndStaysOnePart) {
   EXPECT_EQ(t4(m, contour, CutPolicy::must_divide, d).answer, Answer::does_not_divide);
   EXPECT_EQ(topology_hash(m), rows);
   EXPECT_TRUE(d.empty());
-  const Outcome o = t4(m, contour, CutPolicy::must_not_divide, d);
+  const OperatorResult o = t4(m, contour, CutPolicy::must_not_divide, d);
   ASSERT_TRUE(o) << sentence(o.answer);
   ASSERT_EQ(find_fault(m).value_or(""), "");
   const Census c = census(m);
@@ -99,7 +99,7 @@ TEST(T4, ATorusOpensAndStaysOnePart) {
   EXPECT_EQ(topology_hash(m), rows);
   undo(m, e);
   // Without the contour the rings are found to lie on one another: genus 1 again.
-  const Outcome closed = t3(m, o.face[0], o.face[1], e);
+  const OperatorResult closed = t3(m, o.face[0], o.face[1], e);
   ASSERT_TRUE(closed) << sentence(closed.answer);
   ASSERT_EQ(find_fault(m).value_or(""), "");
   EXPECT_EQ(census(m).genus, 1);
@@ -119,13 +119,13 @@ TEST(T3, JoinsTwoSpheresAndAddsAHandle) {
   };
   Delta d;
   const Census c = census(m);
-  const Outcome o = t3(m, nearest({10, 0, 0}), nearest({15, 0, 0}), d);
+  const OperatorResult o = t3(m, nearest({10, 0, 0}), nearest({15, 0, 0}), d);
   ASSERT_TRUE(o) << sentence(o.answer);
   ASSERT_EQ(find_fault(m).value_or(""), "");
   EXPECT_EQ(census(m).chi, c.chi - 2);
   EXPECT_EQ(census(m).components, 1);
   EXPECT_EQ(census(m).genus, 0);
-  const Outcome handle = t3(m, nearest({0, 10, 0}), nearest({25, 10, 0}), d);
+  const OperatorResult handle = t3(m, nearest({0, 10, 0}), nearest({25, 10, 0}), d);
   ASSERT_TRUE(handle) << sentence(handle.answer);
   ASSERT_EQ(find_fault(m).value_or(""), "");
   EXPECT_EQ(census(m).genus, 1);
@@ -157,7 +157,7 @@ TEST(T4Edges, PlaneCutsAreExactAndT3SpokesIsTheInverse) {
   ASSERT_EQ(curves.curve.size(), 1u);
   const int k = int(curves.curve[0].size());
   Delta d;
-  const Outcome o = t4_edges(m, curves.curve[0], CutPolicy::must_divide, d);
+  const OperatorResult o = t4_edges(m, curves.curve[0], CutPolicy::must_divide, d);
   ASSERT_TRUE(o) << sentence(o.answer);
   ASSERT_EQ(find_fault(m).value_or(""), "");
   const Census a = census(m);
@@ -177,7 +177,7 @@ TEST(T4Edges, PlaneCutsAreExactAndT3SpokesIsTheInverse) {
   EXPECT_NEAR(extent(cap).volume_mm3 + extent(rest).volume_mm3, 4. / 3 * std::numbers::pi * 1000, 0.01 * 4189);
   Mesh joined = m;
   Delta e;
-  const Outcome back = t3_spokes(joined, o.face[0], o.face[1], e);
+  const OperatorResult back = t3_spokes(joined, o.face[0], o.face[1], e);
   ASSERT_TRUE(back) << sentence(back.answer);
   ASSERT_EQ(find_fault(joined).value_or(""), "");
   compact(joined);
@@ -196,7 +196,7 @@ TEST(T4Edges, EveryPlaneThroughATorus) {
     Delta d;
     for (const auto& curve : curves_of_plane(m, p, n).curve) {
       const Census before = census(m);
-      const Outcome o = t4_edges(m, curve, CutPolicy::any, d);
+      const OperatorResult o = t4_edges(m, curve, CutPolicy::any, d);
       ASSERT_EQ(find_fault(m).value_or(""), "");
       if (o) {
         ++cuts;
@@ -217,7 +217,7 @@ TEST(T4, BadContoursAreRefusedWithReasons) {
   const uint64_t before = hash(m);
   Delta d;
   const auto refused = [&](std::vector<int32_t> c, Answer a, CutPolicy p = CutPolicy::any) {
-    const Outcome o = t4(m, c, p, d);
+    const OperatorResult o = t4(m, c, p, d);
     EXPECT_EQ(o.answer, a) << sentence(o.answer);
     EXPECT_EQ(hash(m), before);
     EXPECT_TRUE(d.empty());
@@ -250,7 +250,7 @@ TEST(Holes, ARegionBecomesAnEndContour) {
   for (int32_t f = 0; f < m.face_slots(); ++f)
     if (face_centre(m, f).z() > 8) region.push_back(f);
   Delta d;
-  const Outcome o = open_hole(m, region, d);
+  const OperatorResult o = open_hole(m, region, d);
   ASSERT_TRUE(o) << sentence(o.answer);
   EXPECT_EQ(find_fault(m).value_or(""), "");
   const Census c = census(m);
@@ -291,14 +291,14 @@ TEST(Shells, BothTablesCutAndJoinedAreWatertight) {
   append(m, make_mesh(inner.nbr, inner.x_mm));
   const Census c = census(m);
   Delta d;
-  std::vector<Outcome> mouths;
+  std::vector<OperatorResult> mouths;
   for (const auto& curve : curves_of_plane(m, {0, 0, 5}, Vec3::UnitZ()).curve) {
     mouths.push_back(t4_edges(m, curve, CutPolicy::must_divide, d));
     ASSERT_TRUE(mouths.back()) << sentence(mouths.back().answer);
   }
   ASSERT_EQ(mouths.size(), 2u);
   for (int side : {0, 1}) {
-    const Outcome o = t3(m, mouths[0].face[side], mouths[1].face[side], d);
+    const OperatorResult o = t3(m, mouths[0].face[side], mouths[1].face[side], d);
     ASSERT_TRUE(o) << sentence(o.answer);
   }
   ASSERT_EQ(find_fault(m).value_or(""), "");

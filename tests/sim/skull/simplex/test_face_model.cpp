@@ -271,7 +271,7 @@ TEST(FaceModel, NeighbouringElasticRegionsHangTogether) {
   FaceTissuePlan p = h.plan(TissueKind::finite_elements), q = p;
   p.face_region = a, q.face_region = b, q.name = "other";
   ASSERT_TRUE(both.connect(h.skull, p).done);
-  const limberg::Outcome o = both.connect(h.skull, q);
+  const Outcome o = both.connect(h.skull, q);
   ASSERT_TRUE(o.done) << o.reason;
   ASSERT_TRUE(one.connect(h.skull, h.plan(TissueKind::finite_elements)).done);
   Mesh skull = h.skull;
@@ -410,7 +410,7 @@ TEST(FaceModel, AfterACutEachColumnGoesWithItsOwnFragment) {
     const double rim = 46.5 / 48;  // cosine of the cap's angle
     int on = 0, off = 0;
     const Tissue& t = *f.tissues()[0];
-    for (const Anchor& a : t.anchor) {
+    for (const BoneAnchor& a : t.anchor) {
       const Vec3& X = tissue[size_t(a.vertex)];
       const double c = X.normalized().dot(h.out);
       if (std::abs(std::acos(c) - std::acos(rim)) < 0.04) continue;  // 2 mm beside the cut

@@ -31,13 +31,13 @@ TEST(T2, SplitsEveryFaceEveryWayAndT1IsItsInverse) {
         for (size_t j = 0; j < ring.size(); ++j) {
           if (i == j) continue;
           Delta d, e;
-          const Outcome o = t2(m, f, ring[i], ring[j], d);
+          const OperatorResult o = t2(m, f, ring[i], ring[j], d);
           ASSERT_TRUE(o) << sentence(o.answer);
           ASSERT_EQ(find_fault(m).value_or(""), "");
           expect_change(c, census(m), 2, 3, 1, 0);
           const int32_t n1 = m.face_size[size_t(o.face[0])], n2 = m.face_size[size_t(o.face[1])];
           EXPECT_EQ(n1 + n2, int32_t(ring.size()) + 4);
-          const Outcome back = t1(m, o.vertex[0], o.vertex[1], e);
+          const OperatorResult back = t1(m, o.vertex[0], o.vertex[1], e);
           ASSERT_TRUE(back) << sentence(back.answer);
           ASSERT_EQ(find_fault(m).value_or(""), "");
           Mesh packed = m;
@@ -64,7 +64,7 @@ TEST(T1, DeletesEdgesAndUndoGivesTheBitsBack) {
         Delta d;
         const int32_t A = m.face(m.edge(v, u)), B = m.face(m.edge(u, v));
         const int32_t nA = m.face_size[size_t(A)], nB = m.face_size[size_t(B)];
-        const Outcome o = t1(m, v, u, d);
+        const OperatorResult o = t1(m, v, u, d);
         ASSERT_EQ(find_fault(m).value_or(""), "");
         if (o) {
           ++done;
@@ -142,7 +142,7 @@ TEST(Operators, RefuseWithAReasonAndChangeNothing) {
   const std::vector<int32_t>& rim = ends[0].rim;
   const uint64_t before = hash(m);
   Delta d;
-  const auto same = [&](const Outcome& o, Answer a) {
+  const auto same = [&](const OperatorResult& o, Answer a) {
     EXPECT_EQ(o.answer, a) << sentence(o.answer);
     EXPECT_EQ(hash(m), before);
     EXPECT_TRUE(d.empty());
@@ -192,7 +192,7 @@ TEST(T2, SplitsAcrossTheLongDirection) {
   for (Vec3& x : m.x_mm) x.x() *= 3;
   int32_t f = m.left[size_t(m.slots() / 2)][0];
   Delta d;
-  const Outcome o = t2_across(m, f, d);
+  const OperatorResult o = t2_across(m, f, d);
   ASSERT_TRUE(o);
   const Vec3 e = (m.x_mm[size_t(o.vertex[0])] - m.x_mm[size_t(o.vertex[1])]).normalized();
   EXPECT_LT(std::abs(e.x()), 0.9);
@@ -203,7 +203,7 @@ TEST(T2, NewVerticesInheritVelocityAndZone) {
   Mesh m = make_sphere({0, 0, 0}, 10, 2);
   for (size_t v = 0; v < m.x_mm.size(); ++v) m.before_mm[v] = m.x_mm[v] - Vec3(1, 2, 3), m.zone[v] = 4;
   Delta d;
-  const Outcome o = t2_across(m, 3, d);
+  const OperatorResult o = t2_across(m, 3, d);
   ASSERT_TRUE(o);
   for (int32_t v : o.vertex) {
     EXPECT_TRUE((m.x_mm[size_t(v)] - m.before_mm[size_t(v)]).isApprox(Vec3(1, 2, 3)));
