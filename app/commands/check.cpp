@@ -92,7 +92,7 @@ void print_law(const Material& m) {
 
 void check_tissues(const TissueLibrary& library) {
   std::printf("tissues     %zu\n", library.tissues.size());
-  for (const Tissue& t : library.tissues) {
+  for (const NamedTissue& t : library.tissues) {
     const Material& m = t.material;
     std::printf("\n%s\n", t.name.c_str());
     if (!t.note.empty()) std::printf("  %s\n", t.note.c_str());

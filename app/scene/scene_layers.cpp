@@ -105,7 +105,7 @@ std::vector<Layer> read_layers(const toml::table& root, const std::string& file,
     t.text("tissue", tissue, 60);
     if (!tissue.empty()) {
       const TissueLibrary& from = library(t);
-      const Tissue* found = from.find(tissue);
+      const NamedTissue* found = from.find(tissue);
       if (!found)
         t.fail("tissue",
                "is \"" + tissue + "\", which " + from.path + " does not hold; expected one of " + from.names());

@@ -9,15 +9,15 @@ namespace limberg {
 
 namespace fs = std::filesystem;
 
-const Tissue* TissueLibrary::find(const std::string& name) const {
-  for (const Tissue& t : tissues)
+const NamedTissue* TissueLibrary::find(const std::string& name) const {
+  for (const NamedTissue& t : tissues)
     if (t.name == name) return &t;
   return nullptr;
 }
 
 std::string TissueLibrary::names() const {
   std::string s;
-  for (const Tissue& t : tissues) s += (s.empty() ? "" : ", ") + t.name;
+  for (const NamedTissue& t : tissues) s += (s.empty() ? "" : ", ") + t.name;
   return s;
 }
 
@@ -37,7 +37,7 @@ TissueLibrary parse_tissues(const std::string& text, const std::string& path, co
       throw InputError(path, int(e.source().begin.line), "a tissue is not a table; expected [[tissue]]");
     const toml::table& table = *e.as_table();
     Table t(&table, "tissue", path);
-    Tissue x;
+    NamedTissue x;
     if (!t.has("name")) t.fail("name", "is missing; expected a name like \"skin/cheek\"");
     t.text("name", x.name, 40);
     if (out.find(x.name)) t.fail("name", "is \"" + x.name + "\" for the second time; expected names of their own");

@@ -18,7 +18,7 @@
 
 namespace limberg {
 
-struct Tissue {
+struct NamedTissue {
   std::string name, note;
   double thickness_mm = 0;  // 0: not given
   Material material;
@@ -27,8 +27,8 @@ struct Tissue {
 
 struct TissueLibrary {
   std::string path, text;
-  std::vector<Tissue> tissues;
-  const Tissue* find(const std::string& name) const;
+  std::vector<NamedTissue> tissues;
+  const NamedTissue* find(const std::string& name) const;
   std::string names() const;
 };
 

@@ -289,7 +289,7 @@ TEST(Tissues, TheShippedLibraryIsWholeAndEveryTissueMakesALayer) {
        {"skin/cheek", "skin/eyelid", "skin/lip", "skin/nose", "skin/forehead", "skin/scalp", "fat/subcutaneous",
         "muscle/passive", "fascia/smas", "cartilage/septum", "bone/cortical", "mucosa/oral"})
     EXPECT_NE(library.find(name), nullptr) << name;
-  for (const Tissue& t : library.tissues) {
+  for (const NamedTissue& t : library.tissues) {
     const FemModel m = model_of(scene_text("tissue = \"" + t.name + "\"\n"));
     const ReferenceElasticity e(m, {});
     EXPECT_NEAR(piola(e, m, Mat3::Identity())(2, 2), 0, 1e-6 * (1 + std::fabs(piola(e, m, Mat3::Identity())(0, 0))))
