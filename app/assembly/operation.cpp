@@ -6,6 +6,7 @@
 #include "app/session/clock.h"
 #include "sim/base/error.h"
 #include "sim/commands/kinds.h"
+#include "sim/patient/soft_tissue.h"
 
 namespace limberg {
 
@@ -127,7 +128,7 @@ class Operation {
 
 OperationOutcome operate(World& world, double max_depth_mm, const Script& script, const OperationSettings& set) {
   WorldPatient patient(world, max_depth_mm);
-  const size_t cells = world.solver().model().cells.size();
+  const size_t cells = world.skin()->solver().model().cells.size();
   OperationOutcome out = operate(patient, script, set);
   out.cells = cells;
   return out;

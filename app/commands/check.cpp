@@ -26,6 +26,7 @@
 #include "sim/imaging/io/surface_file.h"
 #include "sim/imaging/io/volume.h"
 #include "sim/measure/predicted.h"
+#include "sim/patient/soft_tissue.h"
 #include "sim/skull/simplex/file.h"
 
 namespace limberg {
@@ -228,7 +229,7 @@ void plan(const Scene& scene, int workers_n) {
   const int64_t t0 = RealClock::monotonic_ns();
   World world(world_spec(scene, body), workers);
   const int64_t t1 = RealClock::monotonic_ns();
-  const FemModel& m = world.solver().model();
+  const FemModel& m = world.skin()->solver().model();
   StepSettings s;
   s.max_iterations = scene.iterations_per_step;
   Histogram step;
@@ -241,7 +242,7 @@ void plan(const Scene& scene, int workers_n) {
   std::printf("  lattice   %zu nodes, %zu cells of %.2f x %.2f x %.2f mm\n", m.X_mm.size(), m.cells.size(),
               m.cell_mm.x(), m.cell_mm.y(), m.cell_mm.z());
   plan_laws(scene, m);
-  std::printf("  solver    %s\n", world.solver().describe().c_str());
+  std::printf("  solver    %s\n", world.skin()->solver().describe().c_str());
   std::printf("  parts     %s%s\n", scene.can_cut ? "cutter" : "no cutter",
               scene.dynamic ? ", dynamics" : ", quasi-static");
   std::printf("  not built %shaptic contact model (not asked for)\n", scene.head ? "" : "bone, simplex meshes, ");

@@ -26,6 +26,7 @@
 #include "app/session/workers_pool.h"
 #include "sim/base/error.h"
 #include "sim/commands/strokes.h"
+#include "sim/patient/soft_tissue.h"
 
 namespace limberg {
 
@@ -82,12 +83,12 @@ void fill_convergence(Result& r, const std::vector<Row>& rows) {
 
 void fill_operation(Result& r, const World& world, const Scene& scene, const OperationOutcome& o,
                     const Metrics& metrics) {
-  const FemModel& m = world.solver().model();
+  const FemModel& m = world.skin()->solver().model();
   size_t free_nodes = 0;
   for (const uint8_t f : m.fixed) free_nodes += f == 0;
   ResultRun run;
   run.scene_title = scene.name, run.scene_note = scene.note;
-  run.lattice = {world.spec().cell_mm, m.X_mm.size(), o.cells, m.cells.size(), 3 * free_nodes};
+  run.lattice = {world.skin()->spec().cell_mm, m.X_mm.size(), o.cells, m.cells.size(), 3 * free_nodes};
   run.solve_ms = o.solve_ms, run.residual = o.last.residual, run.distance_mm = o.last.distance_mm;
   run.state_hash = hex(world.state_hash()), run.topology_hash = hex(world.topology_hash());
   run.memory_mb = peak_memory_mb();
@@ -242,8 +243,8 @@ void write_fields(const std::string& file, const World& world) {
   Snapshot s;
   world.fill(s);
   const SurfaceView& view = s.topology->view;
-  const Body& body = *world.spec().body;
-  const Skin skin(world.spec().body);
+  const Body& body = *world.skin()->spec().body;
+  const Skin skin(world.skin()->spec().body);
   const std::vector<MembraneState> states = skin_states(view, s.x_mm, body);
   const Perfusion p = perfusion(view, skin);
   std::string text = std::string(kFieldsHeader) + "\n";
@@ -353,8 +354,8 @@ int run_operate(const OperateOptions& opt) {
     }
     at_rest &= o.last.residual <= 1e-4;
     rows.push_back({cells[i], o.solve_ms, o.last.residual, o.last.distance_mm,
-                    std::cbrt(world.solver().model().cell_mm.prod()), world.solver().model().X_mm.size(),
-                    measure_world(world, actions, also)});
+                    std::cbrt(world.skin()->solver().model().cell_mm.prod()),
+                    world.skin()->solver().model().X_mm.size(), measure_world(world, actions, also)});
     std::printf(
         "%-12s %7zu nodes  %8.0f ms  residual %.1e  off by about %.1e mm  closure %.3f N  gap %.3f mm  dog-ear %.2f mm "
         " state_hash %s\n",

@@ -24,6 +24,7 @@
 #include "app/session/realtime.h"
 #include "render/gl_context.h"
 #include "sim/base/error.h"
+#include "sim/patient/soft_tissue.h"
 
 namespace limberg {
 
@@ -119,7 +120,7 @@ void print_summary(const SessionCall& call, const Assembly& a, const SessionFigu
   std::printf("solver      %llu steps, %.2f ms median, residual %.2e, about %.2g mm from equilibrium\n",
               static_cast<unsigned long long>(a.solver.steps()), double(f.solver.work.percentile_ns(0.5)) * 1e-6,
               a.solver.last().residual, a.solver.last().distance_mm);
-  if (a.world->skin()) std::printf("pieces      %d\n", a.world->pieces());
+  if (a.world->skin()) std::printf("pieces      %d\n", a.world->skin()->pieces());
   if (a.head) print_head(*a.head);
   std::printf("state_hash  %s\n", hex(f.state_hash).c_str());
   const HandFigures& h = a.solver.hand();

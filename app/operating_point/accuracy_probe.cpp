@@ -7,6 +7,7 @@
 #include "sim/fem/elements/material_points.h"
 #include "sim/fem/materials/isotropic.h"
 #include "sim/fem/materials/stable_neo_hookean.h"
+#include "sim/patient/soft_tissue.h"
 #include "sim/patient/world.h"
 
 namespace limberg::bench {
@@ -46,7 +47,7 @@ Probe make_probe(const Scene& scene, std::shared_ptr<const Body> body, double ce
     world.apply(
         Incise{{{-half, 0}, {half, 0}}, std::min(scene.tools.default_depth_mm, scene.tools.max_depth_mm), 90, false});
   Probe p;
-  p.model = std::make_shared<const FemModel>(world.solver().model());
+  p.model = std::make_shared<const FemModel>(world.skin()->solver().model());
   const SurfaceTopology& t = *world.topology();
   const Outcome hooked = world.apply(SetHook{1, {0, 4}});
   Snapshot shown;

@@ -9,11 +9,14 @@
 
 namespace limberg {
 
-Metrics measure_world(const World& world, std::span<const Command> script, const MeasureAlso& also) {
+Metrics measure_world(const World& world, std::span<const Command> script, MeasureAlso also) {
+  const SoftTissue& tissue = *world.skin();
   Snapshot s;
-  world.skin()->fill(s);
-  const Skin skin(world.spec().body);
-  return measure(world, s, skin, join_strokes(script), also);
+  tissue.fill(s);
+  also.closure_energy_uJ = tissue.closure_energy_uJ();
+  return measure(s, Skin(tissue.spec().body), tissue.solver(),
+                 {tissue.pieces(), tissue.volume_mm3(), tissue.removed_volume_mm3(), tissue.initial_volume_mm3()},
+                 join_strokes(script), also);
 }
 
 namespace {

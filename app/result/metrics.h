@@ -4,11 +4,12 @@
 
 #include "app/result/schema.h"
 #include "sim/measure/metrics.h"
+#include "sim/patient/world.h"
 
 namespace limberg {
 
 /// All figures of a patient; `script`: what was done to it.
-Metrics measure_world(const World& world, std::span<const Command> script, const MeasureAlso& also = {});
+Metrics measure_world(const World& world, std::span<const Command> script, MeasureAlso also = {});
 
 inline ResultVector vector_of(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 

@@ -7,6 +7,7 @@
 #include "app/result/times.h"
 #include "sim/commands/script.h"
 #include "sim/commands/strokes.h"
+#include "sim/patient/soft_tissue.h"
 
 namespace limberg {
 
@@ -68,7 +69,7 @@ ResultSolver solver_of(Assembly& a, const SessionFigures& f) {
   s.residual = a.solver.last().residual;
   s.distance_mm = a.solver.last().distance_mm;
   s.settle_steps = f.settle_steps;
-  s.describe = a.world->skin() ? a.world->solver().describe() : std::string("simplex meshes of face and bone");
+  s.describe = a.world->skin() ? a.world->skin()->solver().describe() : std::string("simplex meshes of face and bone");
   return s;
 }
 
@@ -139,7 +140,7 @@ void fill_session(Result& r, Assembly& a, const SessionFigures& f, bool real_tim
     also.landmarks.insert(also.landmarks.end(), lesson->landmarks.begin(), lesson->landmarks.end());
   const Metrics metrics = measure_world(*a.world, a.done, also);
   fill_metrics(r, metrics);
-  const Skin skin(a.world->spec().body);
+  const Skin skin(a.world->skin()->spec().body);
   Exercise e = exercise(a.done, metrics, plan_of(skin, also.plan, join_strokes(a.done)));
   e.time_s = f.duration_s;
   e.hand = a.solver.hand();

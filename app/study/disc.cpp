@@ -16,6 +16,7 @@
 #include "app/assembly/operation.h"
 #include "app/study/study.h"
 #include "app/study/wound.h"
+#include "sim/patient/soft_tissue.h"
 
 namespace limberg::study {
 
@@ -77,7 +78,7 @@ Row run_disc(const Values& v, const Run& with) {
                  {"radius_mm", v[kRadius]},
                  {"depth_mm", v[kDepth]},
                  {"poisson", v[kPoisson]},
-                 {"pieces", double(world.pieces())},
+                 {"pieces", double(world.skin()->pieces())},
                  {"area_mm2", area.now_mm2},
                  {"area_before_mm2", area.rest_mm2},
                  {"shrink", shrink},
@@ -88,7 +89,7 @@ Row run_disc(const Values& v, const Run& with) {
                  {"hole_growth", hole.now_mm2 / hole.rest_mm2 - 1},
                  {"hole_along_over_across", hole.extent_mm.x() / hole.extent_mm.y()},
                  {"residual", o.last.residual},
-                 {"nodes", double(world.solver().model().X_mm.size())},
+                 {"nodes", double(world.skin()->solver().model().X_mm.size())},
                  {"solve_ms", o.solve_ms}};
   return row;
 }

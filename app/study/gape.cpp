@@ -10,6 +10,7 @@
 #include "app/assembly/operation.h"
 #include "app/study/study.h"
 #include "app/study/wound.h"
+#include "sim/patient/soft_tissue.h"
 
 namespace limberg::study {
 
@@ -72,7 +73,7 @@ Row run_gape(const Values& v, const Run& with) {
                       {"step_mm", l && r ? l->x_mm.z() - r->x_mm.z() : nan},
                       {"asymmetry", std::abs(left - right) / std::max(1e-12, std::abs(left) + std::abs(right))},
                       {"residual", o.last.residual},
-                      {"nodes", double(world.solver().model().X_mm.size())},
+                      {"nodes", double(world.skin()->solver().model().X_mm.size())},
                       {"solve_ms", o.solve_ms}});
   return row;
 }

@@ -10,6 +10,7 @@
 #include "app/study/planar_law.h"
 #include "app/study/wound.h"
 #include "sim/commands/procedures/operation.h"
+#include "sim/patient/soft_tissue.h"
 
 namespace limberg::study {
 
@@ -75,7 +76,7 @@ std::vector<Command> pushes(const std::vector<Vec2>& at, const std::vector<doubl
 /// All that is held goes outward from the chart's origin, in steps of at most step_mm, until it is `stretch` times as
 /// far away; the tissue comes to rest; and back again.
 void draw_taut_and_let_go(World& world, double stretch, double step_mm, const OperationSettings& set) {
-  const Body& body = *world.spec().body;
+  const Body& body = *world.skin()->spec().body;
   const double farthest = 0.5 * (body.box_max_mm - body.box_min_mm).head<2>().norm();
   const int n = std::max(1, int(std::ceil((stretch - 1) * farthest / step_mm)));
   StepSettings s;
@@ -190,7 +191,7 @@ Done carry_out_on(const Patch& patch, const Figure& figure, const Run& with) {
   done.closing_uJ = done.energy_uJ - open.last.energy_uJ;
   done.map = std::make_shared<SkinMap>(*done.shown);
   done.under = std::make_shared<SkinMap>(*done.shown, SkinMap::Side::under);
-  done.nodes = world.solver().model().X_mm.size();
+  done.nodes = world.skin()->solver().model().X_mm.size();
   return done;
 }
 

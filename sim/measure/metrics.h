@@ -16,7 +16,6 @@
 #include "sim/measure/skin_shape.h"
 #include "sim/measure/skin_strain.h"
 #include "sim/patient/snapshot.h"
-#include "sim/patient/world.h"
 
 namespace limberg {
 
@@ -109,13 +108,5 @@ struct MeasureAlso {
 /// be set. About 0.3 s on a block of 60,000 triangles.
 Metrics measure(const Snapshot& snapshot, const Skin& skin, const ElasticSolver& solver, const RestVolumes& volumes,
                 std::span<const Command> script = {}, const MeasureAlso& also = {});
-
-inline Metrics measure(const World& world, const Snapshot& snapshot, const Skin& skin,
-                       std::span<const Command> script = {}, MeasureAlso also = {}) {
-  also.closure_energy_uJ = world.closure_energy_uJ();
-  return measure(snapshot, skin, world.solver(),
-                 {world.pieces(), world.volume_mm3(), world.removed_volume_mm3(), world.initial_volume_mm3()}, script,
-                 also);
-}
 
 }  // namespace limberg

@@ -110,6 +110,7 @@ StepReport World::step(const StepSettings& settings) {
   return r;
 }
 
+void World::hold_at(const std::function<Vec3(const Vec3&)>& where) { skin_->hold_at(where); }
 bool World::settled() const { return !skin_ || skin_->settled(); }
 
 // ---- what is shown ----
@@ -166,19 +167,5 @@ uint64_t World::topology_hash() const {
 }
 uint64_t World::state_hash() const { return one_hash(skin(), head(), &SoftTissue::state_hash, &Head::state_hash); }
 uint64_t World::full_hash() const { return one_hash(skin(), head(), &SoftTissue::full_hash, &Head::full_hash); }
-
-// ---- of the soft tissue ----
-
-void World::hold_at(const std::function<Vec3(const Vec3&)>& where) { skin_->hold_at(where); }
-const WorldSpec& World::spec() const { return skin_->spec(); }
-const ElasticSolver& World::solver() const { return skin_->solver(); }
-const Arrangement* World::arrangement() const { return skin_->arrangement(); }
-std::shared_ptr<const LatticeTopology> World::lattice() const { return skin_->lattice(); }
-double World::volume_mm3() const { return skin_->volume_mm3(); }
-double World::removed_volume_mm3() const { return skin_->removed_volume_mm3(); }
-double World::initial_volume_mm3() const { return skin_->initial_volume_mm3(); }
-int World::pieces() const { return skin_->pieces(); }
-ContactCounts World::contact_counts() const { return skin_->contact_counts(); }
-std::optional<double> World::closure_energy_uJ() const { return skin_->closure_energy_uJ(); }
 
 }  // namespace limberg

@@ -11,7 +11,6 @@
 // is all of the soft tissue as it was just before the act, hooks included.
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,12 +22,9 @@
 
 namespace limberg {
 
-struct ContactCounts;  // contact/contact_counts.h
-struct HeadParts;      // skull/head/head.h
-struct PressAnswer;    // press.h
+struct HeadParts;    // skull/head/head.h
+struct PressAnswer;  // press.h
 struct PressQuestion;
-struct LatticeTopology;
-class Arrangement;
 class Head;
 class SoftTissue;
 
@@ -56,6 +52,8 @@ class World {
   /// How stiff the soft tissue is against a tool that presses here (press_probe.h). Asking changes no bit of the
   /// patient. Bone, face, and a place on another version of the surface: stiffness 0.
   PressAnswer press(const PressQuestion& question, int iterations = 8);
+  /// The soft tissue, which must be there, is held elsewhere (soft_tissue.h).
+  void hold_at(const std::function<Vec3(const Vec3& X_mm)>& where);
   bool settled() const;  // every stitch is drawn tight
 
   uint64_t topology_hash() const;  // same on every machine
@@ -65,21 +63,9 @@ class World {
   uint64_t full_hash() const;
   int refused() const { return refused_; }  // commands refused so far
 
-  const SoftTissue* skin() const { return skin_.get(); }  // null: there is none
-  const Head* head() const { return head_.get(); }        // null: there is none
-
-  // Of the soft tissue, which must be there (soft_tissue.h).
-  void hold_at(const std::function<Vec3(const Vec3& X_mm)>& where);
-  const WorldSpec& spec() const;
-  const ElasticSolver& solver() const;
-  const Arrangement* arrangement() const;
-  std::shared_ptr<const LatticeTopology> lattice() const;
-  double volume_mm3() const;
-  double removed_volume_mm3() const;
-  double initial_volume_mm3() const;
-  int pieces() const;
-  ContactCounts contact_counts() const;
-  std::optional<double> closure_energy_uJ() const;
+  // The parts, to be measured; null: there is none.
+  const SoftTissue* skin() const { return skin_.get(); }
+  const Head* head() const { return head_.get(); }
 
  private:
   Outcome act(const Command& command);

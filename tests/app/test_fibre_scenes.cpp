@@ -11,6 +11,7 @@
 #include "app/scene/scene.h"
 #include "app/study/wound.h"
 #include "sim/commands/script.h"
+#include "sim/patient/soft_tissue.h"
 
 namespace limberg {
 namespace test_fibre_scenes {
@@ -97,9 +98,9 @@ TEST(FibreScenes, TheRhomboidFlapGoesToItsEnd) {
   const OperationOutcome end = operate(world, scene.tools.max_depth_mm, parse_script(text, "rhomboid.jsonl"), s);
   EXPECT_LE(end.last.residual, 1e-5);
   EXPECT_GT(end.last.min_J, 0.2);
-  EXPECT_EQ(world.pieces(), 1);
-  EXPECT_NEAR(world.volume_mm3() + world.removed_volume_mm3(), world.initial_volume_mm3(),
-              1e-6 * world.initial_volume_mm3());
+  EXPECT_EQ(world.skin()->pieces(), 1);
+  EXPECT_NEAR(world.skin()->volume_mm3() + world.skin()->removed_volume_mm3(), world.skin()->initial_volume_mm3(),
+              1e-6 * world.skin()->initial_volume_mm3());
 }
 
 }  // namespace test_fibre_scenes

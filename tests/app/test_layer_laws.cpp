@@ -14,6 +14,7 @@
 #include "sim/fem/materials/catalogue.h"
 #include "sim/fem/solver/elastic_solver.h"
 #include "sim/lattice/fem_assembly.h"
+#include "sim/patient/soft_tissue.h"
 #include "sim/patient/world.h"
 #include "sim/testing/homogeneous_states.h"
 #include "sim/testing/reference_newton.h"
@@ -53,7 +54,7 @@ FemModel model_of(const std::string& text, std::shared_ptr<const LawCatalogue> l
   const Scene scene = parse_scene(text, "test.toml", std::move(laws));
   InlineWorkers workers;
   World world(world_spec(scene, build_body(scene)), workers);
-  FemModel m = world.solver().model();
+  FemModel m = world.skin()->solver().model();
   m.fixed.assign(m.fixed.size(), 0);
   return m;
 }

@@ -5,6 +5,7 @@
 #include "app/scene/scene.h"
 #include "sim/fem/materials/catalogue.h"
 #include "sim/fem/materials/isotropic.h"
+#include "sim/patient/soft_tissue.h"
 #include "sim/patient/world.h"
 #include "sim/testing/reference_newton.h"
 
@@ -37,15 +38,15 @@ LawCatalogue::Entry yeoh() {
 
 /// How far the force on what is held differs from that of the reference, in double and with this law: relative.
 double off_the_law(const World& world, const LawPtr& law) {
-  FemModel m = world.solver().model();
+  FemModel m = world.skin()->solver().model();
   m.laws.assign(1, law);
   std::vector<Vec3> u, g;
-  for (const Vec3f& v : world.solver().displacement_mm()) u.push_back(v.cast<double>());
+  for (const Vec3f& v : world.skin()->solver().displacement_mm()) u.push_back(v.cast<double>());
   ReferenceElasticity(m, {}).gradient(u, g);
   Vec3 held = Vec3::Zero();
   for (size_t i = 0; i < g.size(); ++i)
     if (m.fixed[i]) held -= g[i];
-  return (world.solver().support_force_mN() - held).norm() / held.norm();
+  return (world.skin()->solver().support_force_mN() - held).norm() / held.norm();
 }
 
 TEST(OwnLaw, RunsThroughAScene) {
@@ -77,7 +78,7 @@ cell_mm = 3
   EXPECT_NEAR(scene.layers()[0].material.mu_kPa(), 20, 1e-9);  // 2 c1
   InlineWorkers workers;
   World world(world_spec(scene, build_body(scene)), workers);
-  ASSERT_EQ(world.solver().model().laws.size(), 1u);
+  ASSERT_EQ(world.skin()->solver().model().laws.size(), 1u);
   // A hook pulls it, an incision opens it, and undo brings the pulled state back to the bit.
   StepSettings s;
   s.max_iterations = 300, s.tolerance = 1e-5;
@@ -90,7 +91,7 @@ cell_mm = 3
   EXPECT_GT(off_the_law(world, yeoh_law(10, 30.6, 5)), 1e-3) << "a constant that is off by 2 % is seen";
   EXPECT_TRUE(world.apply(Incise{{{-5, -2}, {6, -2}}, 4}).done);
   EXPECT_LE(world.step(s).residual, 1e-5);
-  EXPECT_EQ(world.solver().model().laws.size(), 1u);
+  EXPECT_EQ(world.skin()->solver().model().laws.size(), 1u);
   EXPECT_LT(off_the_law(world, yeoh_law(10, 30, 5)), 1e-3) << "after the cut too";
   EXPECT_NE(world.state_hash(), pulled);
   EXPECT_TRUE(world.apply(Undo{}).done);

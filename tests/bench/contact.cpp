@@ -14,6 +14,7 @@
 #include "sim/commands/script.h"
 #include "sim/contact/contact_finder.h"
 #include "sim/measure/penetration.h"
+#include "sim/patient/soft_tissue.h"
 
 namespace limberg::bench {
 namespace {
@@ -51,7 +52,7 @@ Closed close(const ContactPatient& p, ContactChoice contact) {
   for (const SutureState& s : shown.sutures)
     c.closure_N += double(s.force_N), c.gap_mm = std::max(c.gap_mm, double(s.gap_mm));
   c.overlap = penetration(shown.topology->view, shown.x_mm);
-  c.counts = world.contact_counts();
+  c.counts = world.skin()->contact_counts();
   return c;
 }
 
@@ -134,7 +135,7 @@ void add_live(Result& out) {
         if (timed) steps.add(cpu_ms() - start);
         if (!with || !finder) continue;
         const double before = cpu_ms();
-        finder->follow(world.solver().displacement_mm(), workers);
+        finder->follow(world.skin()->solver().displacement_mm(), workers);
         if (timed) search.add(cpu_ms() - before);
       }
     };
@@ -161,8 +162,8 @@ void add_live(Result& out) {
           if (k.id == h->id) handle[size_t(k.id)] = k.handle_mm.cast<double>();
         if (!finder) {  // everything that is cut has been cut
           const auto surface = contact_surface({shown.topology, &shown.topology->view}, shown.topology->embedding,
-                                               world.lattice(), world.solver().model());
-          finder = std::make_unique<ContactFinder>(surface, world.solver().model());
+                                               world.skin()->lattice(), world.skin()->solver().model());
+          finder = std::make_unique<ContactFinder>(surface, world.skin()->solver().model());
         }
       }
       frames(1, false);

@@ -12,6 +12,7 @@
 #include "sim/fem/materials/fibres.h"
 #include "sim/fem/materials/isotropic.h"
 #include "sim/fem/solver/lbfgs_solver.h"
+#include "sim/patient/soft_tissue.h"
 
 namespace limberg::bench {
 namespace {
@@ -66,7 +67,7 @@ class WorldRun final : public Run {
     world_->step(p_.step);
     if (p_.with_field) world_->fill(shown_, true);
   }
-  std::string size() const override { return nodes_of(world_->solver().model()); }
+  std::string size() const override { return nodes_of(world_->skin()->solver().model()); }
   World& world() { return *world_; }
   Vec3 handle_mm() const { return at_; }
 
@@ -249,7 +250,7 @@ Result features(const Scene& scene, const FeatureSettings& set) {
                    WorldRun w(plain, scene, frames);
                    Spring h;
                    h.id = 1, h.to_world = true, h.k_N_per_mm = plain.spec.hook_k_N_per_mm, h.target_mm = w.handle_mm();
-                   const FemModel& m = w.world().solver().model();
+                   const FemModel& m = w.world().skin()->solver().model();
                    size_t nearest = 0;
                    for (size_t i = 0; i < m.X_mm.size(); ++i)
                      if ((m.X_mm[i] - h.target_mm).squaredNorm() < (m.X_mm[nearest] - h.target_mm).squaredNorm())

@@ -11,6 +11,7 @@
 #include "sim/commands/script.h"
 #include "sim/fem/model/box_model.h"
 #include "sim/fem/solver/elastic_solver.h"
+#include "sim/patient/soft_tissue.h"
 #include "sim/patient/world.h"
 #include "tests/bench/verification_parts.h"
 
@@ -107,7 +108,7 @@ void live_error(Result& out, const VerificationSettings& set) {
         for (int k = 0; k < 60; ++k) {
           const bool settled = world.settled();
           const StepReport r = world.step(step);
-          if (settled) watch.frame(world.solver(), r);
+          if (settled) watch.frame(world.skin()->solver(), r);
           if (r.converged && world.settled()) break;
         }
         watch.end(ratios);

@@ -11,6 +11,7 @@
 #include "sim/commands/script.h"
 #include "sim/cutting/arrangement/arrangement.h"
 #include "sim/lattice/topology.h"
+#include "sim/patient/soft_tissue.h"
 #include "tests/bench/fuzz/checks.h"
 
 namespace limberg::fuzz {
@@ -145,7 +146,7 @@ std::string WorldRunner::apply(const Command& command) {
 std::string WorldRunner::act(const Command& command) {
   if (const Wait* w = std::get_if<Wait>(&command)) return wait(*world_, w->seconds), std::string();
   const uint64_t before = world_->full_hash();
-  const auto lattice = world_->lattice();
+  const auto lattice = world_->skin()->lattice();
   const auto x = is_cut(command) ? places(*world_) : std::multimap<int32_t, Vec3f>{};
   const Outcome o = world_->apply(command);
   if (!o.done) {
@@ -186,7 +187,7 @@ std::string WorldRunner::act(const Command& command) {
     redo_.clear();
     stroke_ = 0;
   }
-  if (!is_cut(command) || world_->lattice() == lattice) return {};
+  if (!is_cut(command) || world_->skin()->lattice() == lattice) return {};
   ++counts_.cuts;
   const InciseMore* more = std::get_if<InciseMore>(&command);
   if (!more || stroke_ != more->stroke) {
@@ -194,15 +195,16 @@ std::string WorldRunner::act(const Command& command) {
     redo_.clear();
   }
   stroke_ = more && !more->last ? more->stroke : 0;
-  if (std::string why = check_parents(*lattice, *world_->lattice(), false); !why.empty()) return why;
+  if (std::string why = check_parents(*lattice, *world_->skin()->lattice(), false); !why.empty()) return why;
   return moved(x, places(*world_));
 }
 
 std::string WorldRunner::check(bool full) const {
-  const double all = world_->initial_volume_mm3();
-  const Arrangement& a = *world_->arrangement();
-  const LatticeTopology& t = *world_->lattice();
-  if (std::abs(world_->volume_mm3() + world_->removed_volume_mm3() - all) > 1e-9 * all) return "I4: volume is lost";
+  const double all = world_->skin()->initial_volume_mm3();
+  const Arrangement& a = *world_->skin()->arrangement();
+  const LatticeTopology& t = *world_->skin()->lattice();
+  if (std::abs(world_->skin()->volume_mm3() + world_->skin()->removed_volume_mm3() - all) > 1e-9 * all)
+    return "I4: volume is lost";
   if (t.pieces != a.pieces())
     return "I15: the lattice has " + std::to_string(t.pieces) + " pieces, the surface " + std::to_string(a.pieces());
   if (std::abs(t.volume_mm3 - a.volume_mm3()) > 1e-9 * all) return "I6: the mass differs from the volume";
@@ -229,10 +231,10 @@ std::string WorldRunner::finish() {
         else
           again->apply(c);
       if (cell_mm == case_.cell_mm && again->full_hash() != world_->full_hash()) return "replay: other bits";
-      if (again->arrangement()->full_hash() != world_->arrangement()->full_hash() &&
+      if (again->skin()->arrangement()->full_hash() != world_->skin()->arrangement()->full_hash() &&
           again->refused() == world_->refused())
         return "replay: another arrangement";
-      if (again->lattice()->pieces != again->arrangement()->pieces())
+      if (again->skin()->lattice()->pieces != again->skin()->arrangement()->pieces())
         return "I15: replay, other lattice: its pieces are not the surface's";
     }
     while (!done_.empty())

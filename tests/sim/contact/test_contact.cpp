@@ -7,6 +7,7 @@
 #include "sim/commands/script.h"
 #include "sim/contact/contact_counts.h"
 #include "sim/measure/penetration.h"
+#include "sim/patient/soft_tissue.h"
 #include "sim/patient/world.h"
 #include "tests/sim/commands/shipped_scripts.h"
 
@@ -41,7 +42,7 @@ StepReport settle(World& world, int steps, double tolerance = 2e-5) {
 
 double contact_force_mN(const World& world) {
   double sum = 0;
-  for (size_t i = 0; i < world.solver().contacts(); ++i) sum += world.solver().contact_force_mN(i);
+  for (size_t i = 0; i < world.skin()->solver().contacts(); ++i) sum += world.skin()->solver().contact_force_mN(i);
   return sum;
 }
 
@@ -52,7 +53,7 @@ Penetration overlap(const World& world) {
 }
 
 std::vector<Vec3f> displacement(const World& world) {
-  return {world.solver().displacement_mm().begin(), world.solver().displacement_mm().end()};
+  return {world.skin()->solver().displacement_mm().begin(), world.skin()->solver().displacement_mm().end()};
 }
 
 /// A fusiform defect, undermined all around and sewn up.
@@ -91,7 +92,7 @@ TEST(Contact, NothingPushesAtRestAfterACut) {
       none.max_iterations = 0;  // finds contacts, moves nothing
       world.step(none);
       EXPECT_EQ(contact_force_mN(world), 0) << script.name << " line " << l.line;
-      pairs += world.solver().contacts();
+      pairs += world.skin()->solver().contacts();
       for (size_t i = 0; i < u.size(); ++i) ASSERT_EQ((displacement(world)[i] - u[i]).norm(), 0);
       ++cuts;
       settle(world, 40);
@@ -108,8 +109,8 @@ TEST(Contact, WithoutWallsNothingIsDone) {
     world.apply(SetHook{1, {0, 8}});
     world.apply(MoveHook{1, {0, 5, 9}, 1});
     settle(world, 10);
-    EXPECT_EQ(world.solver().contacts(), 0u);
-    const ContactCounts n = world.contact_counts();
+    EXPECT_EQ(world.skin()->solver().contacts(), 0u);
+    const ContactCounts n = world.skin()->contact_counts();
     EXPECT_EQ(n.surfaces + n.checks + n.searches + n.queries + n.iterations + n.places + n.triangles, 0u)
         << "not even asked";
     return world.state_hash();
@@ -124,11 +125,11 @@ TEST(Contact, WhatDoesNotMoveIsNotSearched) {
   close_fusiform(world, 150);
   StepSettings still;
   still.max_iterations = 0;
-  const ContactCounts rest = world.contact_counts();
+  const ContactCounts rest = world.skin()->contact_counts();
   EXPECT_GT(rest.places, 200u);
   for (int i = 0; i < 10; ++i) world.step(still);
-  EXPECT_EQ(world.contact_counts().queries, rest.queries);
-  EXPECT_EQ(world.contact_counts().searches, rest.searches);
+  EXPECT_EQ(world.skin()->contact_counts().queries, rest.queries);
+  EXPECT_EQ(world.skin()->contact_counts().searches, rest.searches);
   ASSERT_TRUE(world.apply(SetHook{1, {0, 24}}).done);  // outside of what was undermined
   Snapshot s;
   world.fill(s);
@@ -139,7 +140,7 @@ TEST(Contact, WhatDoesNotMoveIsNotSearched) {
     ASSERT_TRUE(world.apply(MoveHook{1, at + Vec3(0, 0.1 * i, 0), 0}).done);
     world.step(live);
   }
-  const ContactCounts pulled = world.contact_counts();
+  const ContactCounts pulled = world.skin()->contact_counts();
   EXPECT_LT(pulled.queries - rest.queries, 10 * rest.places / 10) << "a tenth of all places a step, at most";
 }
 

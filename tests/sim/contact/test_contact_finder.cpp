@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "sim/contact/contact_finder.h"
+#include "sim/patient/soft_tissue.h"
 #include "sim/patient/world.h"
 #include "tests/sim/contact/plain_block.h"
 
@@ -22,8 +23,8 @@ class APocket : public ::testing::Test {
     ASSERT_TRUE(world->apply(Undermine{outline, 5}).done);
     Snapshot shown;
     world->fill(shown);
-    surface =
-        contact_surface({shown.topology, &shown.topology->view}, shown.topology->embedding, world->lattice(), model());
+    surface = contact_surface({shown.topology, &shown.topology->view}, shown.topology->embedding,
+                              world->skin()->lattice(), model());
     ASSERT_TRUE(surface);
     // The roof: nodes of copies that carry a downward wall, and what lies above them.
     roof.assign(model().X_mm.size(), 0);
@@ -32,7 +33,7 @@ class APocket : public ::testing::Test {
       if (downward(p))
         for (int32_t n : p.embedded.node) roof[size_t(n)] = 1;
   }
-  const FemModel& model() const { return world->solver().model(); }
+  const FemModel& model() const { return world->skin()->solver().model(); }
   bool downward(const ContactPlace& p) const {
     const Tri& t = surface->tri[size_t(p.triangle)];
     const Vec3 &A = surface->X_mm[size_t(t[0])], &B = surface->X_mm[size_t(t[1])], &C = surface->X_mm[size_t(t[2])];

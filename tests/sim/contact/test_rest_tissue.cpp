@@ -10,6 +10,7 @@
 #include "sim/contact/rest_tissue.h"
 #include "sim/geometry/triangle.h"
 #include "sim/measure/penetration.h"
+#include "sim/patient/soft_tissue.h"
 #include "sim/patient/world.h"
 #include "tests/sim/contact/plain_block.h"
 
@@ -28,12 +29,12 @@ class RestTissueOfAWound : public ::testing::Test {
     for (int k = 0; k < 16; ++k) outline.push_back({14 * std::cos(k * M_PI / 8), 12 * std::sin(k * M_PI / 8)});
     ASSERT_TRUE(world->apply(Undermine{outline, 3.3}).done);
     world->fill(shown);
-    surface =
-        contact_surface({shown.topology, &shown.topology->view}, shown.topology->embedding, world->lattice(), model());
+    surface = contact_surface({shown.topology, &shown.topology->view}, shown.topology->embedding,
+                              world->skin()->lattice(), model());
     ASSERT_TRUE(surface);
     tissue = std::make_unique<RestTissue>(*surface, model());
   }
-  const FemModel& model() const { return world->solver().model(); }
+  const FemModel& model() const { return world->skin()->solver().model(); }
 
   InlineWorkers workers;
   std::unique_ptr<World> world;

@@ -9,6 +9,7 @@
 #include "sim/body/block.h"
 #include "sim/commands/strokes.h"
 #include "sim/cutting/arrangement/arrangement.h"
+#include "sim/patient/soft_tissue.h"
 #include "sim/patient/world.h"
 #include "tests/sim/drawn_pieces.h"
 
@@ -38,9 +39,9 @@ struct Shape {
 
 Shape shape(const World& world) {
   Shape s;
-  s.pieces = world.pieces();
-  s.volume_mm3 = world.volume_mm3();
-  s.removed_mm3 = world.removed_volume_mm3();
+  s.pieces = world.skin()->pieces();
+  s.volume_mm3 = world.skin()->volume_mm3();
+  s.removed_mm3 = world.skin()->removed_volume_mm3();
   const SurfaceView& v = world.topology()->view;
   std::map<int32_t, double> volume;
   const std::vector<int32_t> component = surface_components(v);
@@ -215,7 +216,7 @@ TEST(Drawing, MeetsWhatIsThereAsTheIncisionDoes) {
       // a millimetre (of 20 across) where a path passes its own beginning.
       expect_same(shape(whole), shape(at_once), 1.5e-2, 2.5e-2);
       expect_same(shape(pieces), shape(whole), 1e-4, 1e-2);
-      EXPECT_EQ(pieces.arrangement()->check_all(), "");
+      EXPECT_EQ(pieces.skin()->arrangement()->check_all(), "");
     }
   }
 }
@@ -263,7 +264,7 @@ TEST(Drawing, LeaningStrokesTurnSharpCornersInShortPieces) {
             EXPECT_LE(got.chi, expected.chi);
             bridges += got.chi < expected.chi;
           }
-          EXPECT_EQ(pieces.arrangement()->check_all(), "");
+          EXPECT_EQ(pieces.skin()->arrangement()->check_all(), "");
           ++(along ? deepened : made);
         }
       }
@@ -285,7 +286,7 @@ TEST(Drawing, AStrokeThatClosesAFlapFreesIt) {
   const std::vector<ChartPoint> path{{-12, -4}, {0, -6}, {11.9, -3}};
   ASSERT_NO_FATAL_FAILURE(draw_at_once(whole, path, 5, 4, 90));
   ASSERT_NO_FATAL_FAILURE(draw(pieces, path, 5, 4, 90));
-  EXPECT_EQ(pieces.pieces(), 2);
+  EXPECT_EQ(pieces.skin()->pieces(), 2);
   expect_same(shape(pieces), shape(whole), 1e-9, 1e-9);
 }
 
@@ -381,7 +382,7 @@ TEST(Drawing, RandomStrokesStaySound) {
     spec.refine_fronts = seed % 2;
     World world(spec, workers);
     const uint64_t first = world.full_hash();
-    const double volume = world.volume_mm3();
+    const double volume = world.skin()->volume_mm3();
     int strokes = 0;
     for (int stroke = 1; stroke <= 4; ++stroke) {
       Vec2 at(real(-25, 25), real(-25, 25));
@@ -403,7 +404,7 @@ TEST(Drawing, RandomStrokesStaySound) {
           ++refused;
         }
       }
-      EXPECT_NEAR((world.volume_mm3() + world.removed_volume_mm3()) / volume, 1, 1e-9);
+      EXPECT_NEAR((world.skin()->volume_mm3() + world.skin()->removed_volume_mm3()) / volume, 1, 1e-9);
     }
     while (world.apply(Undo{}).done) ++strokes;
     EXPECT_LE(strokes, 4);

@@ -8,6 +8,7 @@
 #include "sim/body/block.h"
 #include "sim/fem/solver/engine.h"
 #include "sim/fem/solver/lbfgs_solver.h"
+#include "sim/patient/soft_tissue.h"
 #include "sim/patient/world.h"
 
 namespace limberg {
@@ -39,7 +40,7 @@ TEST_P(MetricHistory, FollowsEveryActAndIsTheSameAfresh) {
   StepSettings two;
   two.max_iterations = 2;
   world.step(two);
-  const auto& solver = dynamic_cast<const fem::LbfgsSolver&>(world.solver());
+  const auto& solver = dynamic_cast<const fem::LbfgsSolver&>(world.skin()->solver());
   int done = 0, compared = 0, rows = 0, made = 0;
   for (int k = 0; k < 16; ++k) {
     const ChartPoint p = point();
@@ -70,7 +71,7 @@ TEST_P(MetricHistory, FollowsEveryActAndIsTheSameAfresh) {
     if (!r.metric_is_cycle) continue;
     const auto cycle = solver.metric().cycle();
     ASSERT_TRUE(cycle);
-    EXPECT_TRUE(fem::same_model(cycle->model(), world.solver().model()));
+    EXPECT_TRUE(fem::same_model(cycle->model(), world.skin()->solver().model()));
     const auto afresh =
         fem::ScalarCycle::rebuild(*cycle, std::make_shared<FemModel>(cycle->model()), {},
                                   {cycle->springs().begin(), cycle->springs().end()}, cycle->mass_per_s2());

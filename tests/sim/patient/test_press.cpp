@@ -8,6 +8,7 @@
 #include "sim/body/block.h"
 #include "sim/patient/press.h"
 #include "sim/patient/press_probe.h"
+#include "sim/patient/soft_tissue.h"
 #include "sim/patient/world.h"
 
 namespace limberg {
@@ -108,7 +109,8 @@ TEST(Press, ACoarseLatticeFeelsATipThatItCannotSee) {
 
 TEST(Press, NothingOfThePatientChanges) {
   InlineWorkers workers;
-  World asked(block(4, {layer("skin", 2, 60), layer("fat", 8, 18)}, 1.1), workers), other(asked.spec(), workers);
+  World asked(block(4, {layer("skin", 2, 60), layer("fat", 8, 18)}, 1.1), workers),
+      other(asked.skin()->spec(), workers);
   for (World* w : {&asked, &other}) {
     ASSERT_TRUE(w->apply(Incise{{{-6, 0}, {6, 0}}, 3}).done);
     for (int i = 0; i < 20; ++i) {

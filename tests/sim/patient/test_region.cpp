@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "sim/body/block.h"
+#include "sim/patient/soft_tissue.h"
 #include "sim/patient/world.h"
 
 namespace limberg {
@@ -43,16 +44,17 @@ TEST(Region, OutsideHoldsStillAndInsideMovesAsBefore) {
   const StepReport r = pull(part);
   EXPECT_TRUE(r.converged);
   EXPECT_EQ(r.inverted_cells, 0);
-  const FemModel &m = part.solver().model(), &w = whole.solver().model();
+  const FemModel &m = part.skin()->solver().model(), &w = whole.skin()->solver().model();
   ASSERT_EQ(m.X_mm.size(), w.X_mm.size());
-  EXPECT_NE(part.solver().describe().find("region of"), std::string::npos) << "the solver knows nothing of the rest";
-  EXPECT_EQ(whole.solver().describe().find("region of"), std::string::npos);
+  EXPECT_NE(part.skin()->solver().describe().find("region of"), std::string::npos)
+      << "the solver knows nothing of the rest";
+  EXPECT_EQ(whole.skin()->solver().describe().find("region of"), std::string::npos);
   size_t absent = 0, still = 0;
   for (const HexCell& c : m.cells) absent += c.scale == 0;
   EXPECT_GT(absent, m.cells.size() / 2);
   double largest = 0, difference = 0;
   for (size_t i = 0; i < m.X_mm.size(); ++i) {
-    const Vec3f u = part.solver().displacement_mm()[i], v = whole.solver().displacement_mm()[i];
+    const Vec3f u = part.skin()->solver().displacement_mm()[i], v = whole.skin()->solver().displacement_mm()[i];
     const double away = m.X_mm[i].head<2>().norm();
     if (away > 25) {
       EXPECT_EQ(u.norm(), 0);
@@ -68,7 +70,7 @@ TEST(Region, OutsideHoldsStillAndInsideMovesAsBefore) {
   Snapshot s;
   part.fill(s);
   ASSERT_EQ(s.hooks.size(), 1u);
-  const Vec3 hook = s.hooks[0].force_N.cast<double>(), support = part.solver().support_force_mN() / 1000;
+  const Vec3 hook = s.hooks[0].force_N.cast<double>(), support = part.skin()->solver().support_force_mN() / 1000;
   EXPECT_LT((support - hook).norm(), 0.01 * hook.norm()) << "what the held nodes receive is what the hook gives";
 }
 

@@ -9,6 +9,7 @@
 #include "sim/fem/forces/spring_forces.h"
 #include "sim/fem/model/box_model.h"
 #include "sim/patient/rim_walk.h"
+#include "sim/patient/soft_tissue.h"
 #include "sim/patient/world.h"
 
 namespace limberg {
@@ -360,15 +361,15 @@ TEST(SutureBetween, FillsTheWoundBetweenTwoStitches) {
 
 TEST(Closure, EnergyIsCountedFromTheOpenWound) {
   Slit s;
-  EXPECT_FALSE(s.world.closure_energy_uJ());
+  EXPECT_FALSE(s.world.skin()->closure_energy_uJ());
   must(s.world, Suture{{0, 0.8}, {0, 2.1}, 0});
   settle(s.world);
-  const auto one = s.world.closure_energy_uJ();
+  const auto one = s.world.skin()->closure_energy_uJ();
   ASSERT_TRUE(one);
   EXPECT_GT(*one, 0);
   must(s.world, s.row(0));
   settle(s.world);
-  EXPECT_GT(*s.world.closure_energy_uJ(), *one);
+  EXPECT_GT(*s.world.skin()->closure_energy_uJ(), *one);
 }
 
 TEST(Refused, BadActionsSayWhyAndChangeNothing) {

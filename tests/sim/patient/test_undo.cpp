@@ -4,6 +4,7 @@
 #include <random>
 
 #include "sim/body/block.h"
+#include "sim/patient/soft_tissue.h"
 #include "sim/patient/world.h"
 
 namespace limberg {
@@ -169,7 +170,7 @@ TEST(Undo, TheSolverGoesOnFromWhatItGotBack) {
   ASSERT_TRUE(seen.apply(Undo{}).done);
   steps(seen, 60, false);
   steps(unseen, 60, false);
-  const auto u = seen.solver().displacement_mm(), v = unseen.solver().displacement_mm();
+  const auto u = seen.skin()->solver().displacement_mm(), v = unseen.skin()->solver().displacement_mm();
   ASSERT_EQ(u.size(), v.size());
   double most = 0;
   for (size_t i = 0; i < u.size(); ++i) most = std::max(most, double((u[i] - v[i]).norm()));

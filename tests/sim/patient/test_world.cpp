@@ -8,6 +8,7 @@
 #include "sim/body/block.h"
 #include "sim/cutting/strokes/blade_build.h"
 #include "sim/lattice/topology.h"
+#include "sim/patient/soft_tissue.h"
 #include "sim/patient/world.h"
 
 namespace limberg {
@@ -29,7 +30,7 @@ WorldSpec small_block(double prestretch = 1.08) {
 
 double largest_move_mm(const World& world) {
   double most = 0;
-  for (const Vec3f& u : world.solver().displacement_mm()) most = std::max(most, double(u.norm()));
+  for (const Vec3f& u : world.skin()->solver().displacement_mm()) most = std::max(most, double(u.norm()));
   return most;
 }
 
@@ -55,18 +56,18 @@ TEST(World, PrestretchedSkinRestsUntilItIsCut) {
   settle(world);
   // A flat prestretched layer is in equilibrium (fem_model.h); what remains is single precision on a 60 mm block.
   EXPECT_LT(largest_move_mm(world), 1e-3);
-  EXPECT_EQ(world.pieces(), 1);
+  EXPECT_EQ(world.skin()->pieces(), 1);
 }
 
 TEST(World, AnIncisionGapesByItselfOnlyUnderPrestretch) {
   for (const double prestretch : {1.0, 1.1}) {
     InlineWorkers workers;
     World world(small_block(prestretch), workers);
-    const double before = world.volume_mm3();
+    const double before = world.skin()->volume_mm3();
     const Outcome o = world.apply(Incise{{{-12, 0.3}, {12, 0.3}}, 4, 90});
     ASSERT_TRUE(o.done) << o.reason;
-    EXPECT_EQ(world.pieces(), 1);
-    EXPECT_NEAR(world.volume_mm3() / before, 1, 1e-12);
+    EXPECT_EQ(world.skin()->pieces(), 1);
+    EXPECT_NEAR(world.skin()->volume_mm3() / before, 1, 1e-12);
     settle(world);
     Snapshot snap;
     world.fill(snap);
@@ -119,11 +120,12 @@ TEST(World, APlugLeavesAndVolumeBalances) {
   World world(small_block(), workers);
   const Outcome o = world.apply(Excise{rhombus(16), 4});
   ASSERT_TRUE(o.done) << o.reason;
-  EXPECT_EQ(world.pieces(), 1);
-  EXPECT_NEAR((world.volume_mm3() + world.removed_volume_mm3()) / world.initial_volume_mm3(), 1, 1e-9);
+  EXPECT_EQ(world.skin()->pieces(), 1);
+  EXPECT_NEAR((world.skin()->volume_mm3() + world.skin()->removed_volume_mm3()) / world.skin()->initial_volume_mm3(), 1,
+              1e-9);
   // A rhombus of side a and angle 60 degrees has area a^2 sin
   // 60; blades follow the outline to the micrometres of jitter.
-  EXPECT_NEAR(world.removed_volume_mm3(), 16 * 16 * std::sqrt(3.0) / 2 * 4, 0.01 * 16 * 16 * 4);
+  EXPECT_NEAR(world.skin()->removed_volume_mm3(), 16 * 16 * std::sqrt(3.0) / 2 * 4, 0.01 * 16 * 16 * 4);
 }
 
 TEST(World, SliversOfNearlyEqualCutsAreBooked) {
@@ -133,8 +135,9 @@ TEST(World, SliversOfNearlyEqualCutsAreBooked) {
   // The same stroke again, two hundredths of a millimetre aside
   // and deeper: refused or done, nothing loose stays behind.
   world.apply(Incise{{{-11, 0.32}, {11, 0.28}}, 5, 90});
-  EXPECT_EQ(world.pieces(), 1);
-  EXPECT_NEAR((world.volume_mm3() + world.removed_volume_mm3()) / world.initial_volume_mm3(), 1, 1e-9);
+  EXPECT_EQ(world.skin()->pieces(), 1);
+  EXPECT_NEAR((world.skin()->volume_mm3() + world.skin()->removed_volume_mm3()) / world.skin()->initial_volume_mm3(), 1,
+              1e-9);
 }
 
 TEST(World, ASuturedWoundCloses) {
@@ -153,7 +156,8 @@ TEST(World, ASuturedWoundCloses) {
   EXPECT_GE(snap.sutures.size(), 8u);
   for (const SutureState& s : snap.sutures) {
     EXPECT_LE(s.gap_mm, 0.2f) << "suture " << s.id;  // the bar for a closed wound
-    EXPECT_NEAR(s.force_N, s.gap_mm * world.spec().suture_k_N_per_mm, 1e-3 + 0.02 * s.force_N) << "a linear spring";
+    EXPECT_NEAR(s.force_N, s.gap_mm * world.skin()->spec().suture_k_N_per_mm, 1e-3 + 0.02 * s.force_N)
+        << "a linear spring";
   }
 }
 
@@ -198,7 +202,7 @@ TEST(World, UndoReturnsTheExactState) {
   ASSERT_TRUE(world.apply(Excise{rhombus(16), 4}).done);
   ASSERT_TRUE(world.apply(Undo{}).done);
   EXPECT_EQ(world.state_hash(), h0);
-  EXPECT_EQ(world.removed_volume_mm3(), 0);
+  EXPECT_EQ(world.skin()->removed_volume_mm3(), 0);
 }
 
 TEST(World, TheSameActionsGiveTheSameBits) {
@@ -230,7 +234,7 @@ TEST(World, AStrokeOfSeveralCutsIsOneAct) {
     EXPECT_EQ(world.topology()->hash, before);
     ASSERT_TRUE(world.apply(Redo{}).done);
     EXPECT_EQ(world.topology()->hash, after);
-    EXPECT_EQ(world.pieces(), 1);
+    EXPECT_EQ(world.skin()->pieces(), 1);
     // The same again does nothing, at sharp corners too.
     EXPECT_FALSE(world.apply(c).done);
     EXPECT_EQ(world.topology()->hash, after);
@@ -251,17 +255,18 @@ TEST(World, APlugWithoutFloorLeavesOnceItIsUndermined) {
   ASSERT_TRUE(world.apply(Incise{{ring[0], ring[1], ring[2], ring[3], ring[0]}, 4, 90}).done);
   o = world.apply(Undermine{ring, 4});
   ASSERT_TRUE(o.done) << o.reason;
-  EXPECT_EQ(world.pieces(), 2);
+  EXPECT_EQ(world.skin()->pieces(), 2);
   settle(world, 30);
   o = world.apply(Excise{ring, 4, false});  // its walls are there already: it only takes the piece out
   ASSERT_TRUE(o.done) << o.reason;
-  EXPECT_EQ(world.pieces(), 1);
+  EXPECT_EQ(world.skin()->pieces(), 1);
   // The sheet lies kSheetRaise, and by turns up to 0.08 mm more, above the depth asked (build_undermining).
-  EXPECT_NEAR(world.removed_volume_mm3(), 2 * 8 * 7 * (4 - kSheetRaise - 0.04), 2 * 8 * 7 * 0.045);
-  EXPECT_NEAR((world.volume_mm3() + world.removed_volume_mm3()) / world.initial_volume_mm3(), 1, 1e-9);
+  EXPECT_NEAR(world.skin()->removed_volume_mm3(), 2 * 8 * 7 * (4 - kSheetRaise - 0.04), 2 * 8 * 7 * 0.045);
+  EXPECT_NEAR((world.skin()->volume_mm3() + world.skin()->removed_volume_mm3()) / world.skin()->initial_volume_mm3(), 1,
+              1e-9);
   const uint64_t taken = world.topology()->hash;
   ASSERT_TRUE(world.apply(Undo{}).done);
-  EXPECT_EQ(world.pieces(), 2);
+  EXPECT_EQ(world.skin()->pieces(), 2);
   ASSERT_TRUE(world.apply(Redo{}).done);
   EXPECT_EQ(world.topology()->hash, taken);
   // Walls that reach through need no undermining.
@@ -305,7 +310,7 @@ TEST(World, RefinedFronts) {
     Snapshot was, now;
     world.fill(was);
     ASSERT_TRUE(world.apply(Incise{{{-12.6, 0.3}, {12.6, 0.3}}, 4, 90}).done);
-    EXPECT_EQ(world.solver().model().hanging.empty(), !refined);
+    EXPECT_EQ(world.skin()->solver().model().hanging.empty(), !refined);
     world.fill(now);
     double moved = 0;  // vertices of the skin that were there before
     std::map<int32_t, Vec3f> old;
@@ -335,7 +340,7 @@ TEST(World, PocketsNeedNotBeDivided) {
     WorldSpec spec = small_block(1.1);
     spec.refine_fronts = true, spec.refine_pockets = pockets;
     World world(spec, workers);
-    const auto divided = [&] { return world.lattice()->tree.division.size(); };
+    const auto divided = [&] { return world.skin()->lattice()->tree.division.size(); };
     ASSERT_TRUE(world.apply(Incise{{{-9, 0.3}, {9, 0.3}}, 4, 90}).done);
     const size_t slit = divided();
     EXPECT_GT(slit, 0u);
