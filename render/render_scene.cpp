@@ -135,7 +135,7 @@ bool operated_box(const Snapshot& snapshot, Vec3f& low_mm, Vec3f& high_mm) {
   if (snapshot.topology && snapshot.topology->view.X_mm.size() == snapshot.x_mm.size()) {
     // At rest and now: the frame shall hold the wound before and after it is closed.
     const SurfaceView& view = snapshot.topology->view;
-    const auto& depth = snapshot.topology->depth_mm.all();
+    const auto& depth = snapshot.topology->depth_mm.get();
     for (size_t t = 0; t < view.tri.size(); ++t)
       if (view.kind[t] == FaceKind::wall)
         for (const int32_t v : view.tri[t]) {

@@ -52,7 +52,7 @@ std::optional<Anchor> make_buried_anchor(const SurfaceTopology& surface, const R
   const double reach = kBuriedReach * depth_mm + 0.5;
   double best = reach * reach;
   std::optional<Anchor> found;
-  const SharedArray<float>& depth = surface.depth_mm.all();
+  const SharedArray<float>& depth = surface.depth_mm.get();
   for (size_t t = 0; t < v.tri.size(); ++t) {
     if (v.kind[t] != FaceKind::wall) continue;
     const double d[3] = {double(depth[size_t(v.tri[t][0])]), double(depth[size_t(v.tri[t][1])]),

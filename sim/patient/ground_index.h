@@ -7,11 +7,10 @@
 // none; with the topology it is freed.
 #include <array>
 #include <cstdint>
-#include <memory>
-#include <mutex>
 #include <span>
 #include <vector>
 
+#include "sim/base/lazy.h"
 #include "sim/base/shared_array.h"
 #include "sim/geometry/vec.h"
 
@@ -60,26 +59,20 @@ GroundIndex make_ground_index(size_t vertices, const SharedArray<Tri>& tri, IsGr
 /// changed before somebody asks.
 class GroundIndices {
  public:
-  GroundIndices() : state_(std::make_unique<State>()) {}
-  GroundIndices(const GroundIndices&) : GroundIndices() {}
+  GroundIndices() = default;
+  GroundIndices(const GroundIndices&) {}
   GroundIndices& operator=(const GroundIndices&) {
-    state_ = std::make_unique<State>();
+    index_ = {};
     return *this;
   }
 
   template <class Make>
   const GroundIndex& get(Ground ground, Make&& make) const {
-    const size_t g = size_t(ground);
-    std::call_once(state_->once[g], [&] { state_->index[g] = make(); });
-    return state_->index[g];
+    return index_[size_t(ground)].get(make);
   }
 
  private:
-  struct State {
-    std::array<std::once_flag, 3> once;
-    std::array<GroundIndex, 3> index;
-  };
-  std::unique_ptr<State> state_;
+  std::array<Lazy<GroundIndex>, 3> index_;
 };
 
 }  // namespace limberg

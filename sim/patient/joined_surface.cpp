@@ -22,8 +22,8 @@ std::shared_ptr<const SurfaceTopology> joined(const SurfaceTopology& skin, const
     both->view.X_mm.push_back(head.view.X_mm[v]);
     both->embedding.push_back({});
   }
-  both->depth_mm = LazyArray<float>([of_skin = skin.depth_mm, others = head.view.X_mm.size()] {
-    SharedArray<float> depth = of_skin.all();
+  both->depth_mm = Lazy<SharedArray<float>>([of_skin = skin.depth_mm, others = head.view.X_mm.size()] {
+    SharedArray<float> depth = of_skin.get();
     for (size_t v = 0; v < others; ++v) depth.push_back(0);
     return depth;
   });

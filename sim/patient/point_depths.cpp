@@ -13,8 +13,8 @@ struct PointDepths::Asked {
   std::shared_ptr<Last> last;
 };
 
-LazyArray<float> PointDepths::follow(const SurfaceView& view, const ViewChange& change,
-                                     std::shared_ptr<const Skin> skin, SharedArray<uint8_t>& on_skin) {
+Lazy<SharedArray<float>> PointDepths::follow(const SurfaceView& view, const ViewChange& change,
+                                             std::shared_ptr<const Skin> skin, SharedArray<uint8_t>& on_skin) {
   const auto lies_on_skin = [&](size_t t) {
     if (view.kind[t] != FaceKind::skin) return;
     for (int32_t v : view.tri[t]) {
@@ -27,7 +27,7 @@ LazyArray<float> PointDepths::follow(const SurfaceView& view, const ViewChange& 
     for (size_t t = 0; t < view.tri.size(); ++t) lies_on_skin(t);
   else
     for (int32_t t : change.triangles) lies_on_skin(size_t(t));
-  return LazyArray<float>(
+  return Lazy<SharedArray<float>>(
       [asked = Asked{view.X_mm, view.point, on_skin, std::move(skin), last_}] { return find(asked); });
 }
 

@@ -7,7 +7,7 @@
 #include <memory>
 #include <mutex>
 
-#include "sim/base/lazy_array.h"
+#include "sim/base/lazy.h"
 #include "sim/body/skin.h"
 #include "sim/cutting/arrangement/surface_view.h"
 
@@ -18,8 +18,8 @@ class PointDepths {
   /// Depths in mm, one per vertex of the view. `change`: from the view before. Corners of skin lie at 0; others cost a
   /// search for the nearest skin. `on_skin`, per point: a triangle of skin has had it as a corner, in this version or
   /// one that it came from; it belongs to the version, so that it goes back with undo and forth with redo.
-  LazyArray<float> follow(const SurfaceView& view, const ViewChange& change, std::shared_ptr<const Skin> skin,
-                          SharedArray<uint8_t>& on_skin);
+  Lazy<SharedArray<float>> follow(const SurfaceView& view, const ViewChange& change, std::shared_ptr<const Skin> skin,
+                                  SharedArray<uint8_t>& on_skin);
 
  private:
   struct Last {  // what was asked for last

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/base/lazy_array.h"
+#include "sim/base/lazy.h"
 #include "sim/body/body.h"
 #include "sim/cutting/arrangement/surface_view.h"
 #include "sim/fem/model/fem_model.h"
@@ -24,7 +24,7 @@ struct SurfaceTopology {
   uint64_t hash = 0;
   SurfaceView view;
   SharedArray<EmbeddedPoint> embedding;  // per view vertex
-  LazyArray<float> depth_mm;             // per view vertex: distance below the skin at rest
+  Lazy<SharedArray<float>> depth_mm;     // per view vertex: distance below the skin at rest
   std::shared_ptr<const Body> body;
   // Of a scene with a head; empty where there is none. Bone and face are of the kind `free` in the view.
   SharedArray<Organ> organ;                    // per view triangle; empty: all of it is flesh

@@ -14,7 +14,7 @@ Mat3 prestretch_gradient(const Material& material, const Skin::Frame& frame) {
 
 TensionField::TensionField(const SurfaceTopology& topology, const Skin& skin) {
   const Body& body = *topology.body;
-  const SharedArray<float>& depth = topology.depth_mm.all();
+  const SharedArray<float>& depth = topology.depth_mm.get();
   prestretch_.resize(topology.view.X_mm.size());
   for (size_t v = 0; v < prestretch_.size(); ++v) {
     const Material& material = body.layers[size_t(skin.layer_at(depth[v]))].material;

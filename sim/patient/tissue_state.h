@@ -134,7 +134,7 @@ void fields(const TissueVersion& t, V&& v) {
   for (const Vec3& X : surface->view.X_mm) v(X);
   for (const Tri& tri : surface->view.tri) v(tri);
   for (const EmbeddedPoint& e : surface->embedding) v(e);
-  for (const float d : surface->depth_mm.all()) v(d);
+  for (const float d : surface->depth_mm.get()) v(d);
 }
 template <class V>
 void fields(const TissueMoment& m, V&& v) {

@@ -129,7 +129,7 @@ class FakePatient final : public Patient {
     v.kind.assign(v.tri.size(), FaceKind::skin);
     for (size_t i = 0; i < v.tri.size(); ++i) v.sided_face.push_back(int32_t(2 * i)), v.origin.push_back(int32_t(i));
     t->embedding.resize(v.X_mm.size());
-    t->depth_mm = LazyArray<float>(SharedArray<float>(v.X_mm.size(), 0));
+    t->depth_mm = Lazy<SharedArray<float>>(SharedArray<float>(v.X_mm.size(), 0));
     t_ = t;
   }
 

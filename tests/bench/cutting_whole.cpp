@@ -43,7 +43,7 @@ void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, dou
   ViewChange all;
   all.whole = true;
   SharedArray<uint8_t> on_skin_before;
-  depths_before.follow(view_before, all, skin, on_skin_before).all();
+  depths_before.follow(view_before, all, skin, on_skin_before).get();
   InlineWorkers workers;
   const auto solver = make_solver(workers);
 
@@ -60,7 +60,7 @@ void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, dou
     a.sweep_debris(1);
     ViewChange change;
     SurfaceView view;
-    LazyArray<float> depth;
+    Lazy<SharedArray<float>> depth;
     std::unique_ptr<RestIndex> index;
     const auto drawing = pool.submit([&] {
       view = a.surface_view(view_before, before->operations, change);
@@ -120,7 +120,7 @@ void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, dou
     const auto embedding =
         embed_surface(*lattice, material_surface(a), view, {*before, view_before, embedding_before, change});
     lap();
-    const LazyArray<float> depth = depths.follow(view, change, skin, on_skin);
+    const Lazy<SharedArray<float>> depth = depths.follow(view, change, skin, on_skin);
     lap();
     const RestIndex index(view, index_before, change);
     lap();
@@ -128,9 +128,9 @@ void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, dou
     at = cpu_ms();
     solver->set_model(model, lattice->cell_parent);
     lap();
-    depths_before.follow(view_before, all, skin, on_skin).all();  // as asked for last
+    depths_before.follow(view_before, all, skin, on_skin).get();  // as asked for last
     at = cpu_ms();
-    depth.all();
+    depth.get();
     lap();
     a.undo();
     triangles = view.tri.size(), cells = lattice->cells.size(), nodes = lattice->nodes.size(),

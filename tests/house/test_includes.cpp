@@ -2,7 +2,7 @@
 //
 //   app -> render, devices, calibration, sim     render, devices -> sim's read-only parts     calibration -> itself
 //                                                                                             and plain words
-//   sim -> sim, and in sim only downwards; no thread, no clock, no lock but that of a lazy array
+//   sim -> sim, and in sim only downwards; no thread, no clock, no lock but that of a lazy value
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -115,10 +115,9 @@ bool sim_rule(const Include& i) {
   static const std::set<std::string> forbidden{"thread",    "mutex",   "shared_mutex", "condition_variable", "future",
                                                "semaphore", "barrier", "latch",        "stop_token",         "chrono",
                                                "ctime",     "time.h",  "sys/time.h",   "pthread.h"};
-  // An array that is found when it is first read is found once, whichever thread reads first; no thread of sim waits
+  // A value that is found when it is first asked for is found once, whichever thread asks first; no thread of sim waits
   // for it but the one that needs it.
-  static const std::set<std::string> lazy{"sim/base/lazy_array.h", "sim/patient/ground_index.h",
-                                          "sim/patient/point_depths.h"};
+  static const std::set<std::string> lazy{"sim/base/lazy.h", "sim/patient/point_depths.h"};
   if (i.target == "mutex" && lazy.contains(i.from)) return true;
   if (forbidden.contains(i.target)) return false;
   if (!own(i.target)) return true;

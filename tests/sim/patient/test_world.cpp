@@ -76,7 +76,7 @@ TEST(World, AnIncisionGapesByItselfOnlyUnderPrestretch) {
     const SurfaceView& view = snap.topology->view;
     std::vector<std::pair<int32_t, size_t>> by_point;
     for (size_t i = 0; i < view.X_mm.size(); ++i)
-      if (snap.topology->depth_mm[i] < 1e-3f) by_point.push_back({view.point[i], i});
+      if (snap.topology->depth_mm.get()[i] < 1e-3f) by_point.push_back({view.point[i], i});
     std::sort(by_point.begin(), by_point.end());
     for (size_t k = 1; k < by_point.size(); ++k)
       if (by_point[k].first == by_point[k - 1].first)
@@ -294,7 +294,7 @@ TEST(World, RefinedFronts) {
     double width = 0;
     for (size_t a = 0; a < view.X_mm.size(); ++a)
       for (size_t b = 0; b < a; ++b)
-        if (view.point[a] == view.point[b] && snap.topology->depth_mm[a] < 1e-3f &&
+        if (view.point[a] == view.point[b] && snap.topology->depth_mm.get()[a] < 1e-3f &&
             std::abs(view.X_mm[a].x() - x) < 0.7)
           width = std::max(width, double((snap.x_mm[a] - snap.x_mm[b]).norm()));
     return width;
