@@ -224,7 +224,7 @@ int finish(const StudyOptions& o, const std::vector<Gathered>& parts, const std:
   leave_result(result, o.common);
   bool ok = true;
   std::printf("\n%-76s %10s %10s\n", o.check ? "check" : "bar", "value", "bar");
-  for (const study::Bar& b : bars) {
+  for (const Bar& b : bars) {
     std::printf("%-76s %10.4g %s%9.4g  %s\n", b.name.c_str(), b.value, b.larger_is_better ? ">" : "<", b.bar,
                 b.pass ? "pass" : "FAIL");
     ok &= b.pass;

@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "app/result/schema.h"
+
 namespace limberg::bench {
 
 struct Row {
@@ -23,16 +25,6 @@ void fields(Row& x, F&& f) {
   f("at_least", x.at_least), f("error", x.error), f("error_unit", x.error_unit), f("reference", x.reference);
   f("pass", x.pass);
 }
-
-struct Bar {
-  std::string name;
-  double value = 0;
-  bool at_least = false;  // the true value is at least this one
-  double bar = 0;
-  bool larger_is_better = true;
-  bool pass = false;
-  std::string source;  // where the bar comes from
-};
 
 struct Result {
   std::vector<Row> rows;

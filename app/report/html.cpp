@@ -52,7 +52,7 @@ std::string number(double value, int digits) {
 }
 
 std::string quantity(const std::optional<double>& value, std::string_view unit, int digits) {
-  if (!value) return "–";
+  if (!value || !std::isfinite(*value)) return "–";
   return number(*value, digits) + (unit.empty() ? "" : "\u202f") + std::string(unit);
 }
 

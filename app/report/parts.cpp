@@ -73,7 +73,7 @@ std::vector<ChartMark> stage_marks(const ReportData& d) {
 html::Markup bars_of(const ReportData& d) {
   if (d.bars.empty()) return {};
   std::vector<html::Row> rows;
-  for (const ResultBar& b : d.bars)
+  for (const Bar& b : d.bars)
     rows.push_back({b.name, html::quantity(b.value, ""), (b.larger_is_better ? "≥ " : "≤ ") + html::quantity(b.bar, ""),
                     b.pass ? html::bold("met", html::Light::good) : html::bold("missed", html::Light::bad), b.source});
   return html::table_of_words({"What is asked", "Value", "Bar", "", "Where it comes from"}, rows);

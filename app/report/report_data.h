@@ -29,7 +29,7 @@ struct ReportData : ResultOrigin, ResultRun {
   std::string study, about;
   std::vector<std::string> study_columns;
   std::vector<std::vector<Maybe>> study_rows;  // as the columns
-  std::vector<ResultBar> bars;
+  std::vector<Bar> bars;
   std::vector<ResultChart> charts;
   std::vector<ResultTable> tables;
   std::map<std::string, double> exercise;  // and "design/..."

@@ -172,14 +172,17 @@ void fields(ResultError& x, F&& f) {
   f("asymptotic", x.asymptotic), f("says", x.says);
 }
 
-/// bars of a study or a bench.
-struct ResultBar {
-  std::string name, source;
-  Maybe value, bar;
-  bool at_least = false, larger_is_better = false, pass = false;
+/// bars of a study or a bench: what is asked, and what came of it. A value that is not there is not a number.
+struct Bar {
+  std::string name;
+  double value = std::numeric_limits<double>::quiet_NaN();
+  bool at_least = false;  // the true value is at least this one
+  double bar = std::numeric_limits<double>::quiet_NaN();
+  bool larger_is_better = false, pass = false;
+  std::string source;  // where the bar comes from
 };
 template <class F>
-void fields(ResultBar& x, F&& f) {
+void fields(Bar& x, F&& f) {
   f("name", x.name), f("value", x.value), f("at_least", x.at_least), f("bar", x.bar);
   f("larger_is_better", x.larger_is_better), f("pass", x.pass), f("source", x.source);
 }

@@ -121,10 +121,10 @@ std::vector<Values> members(const Family& family, const std::vector<std::string>
 }
 
 Bar at_most(std::string name, double value, double bar, std::string source) {
-  return {std::move(name), value, bar, false, value <= bar, std::move(source)};
+  return {std::move(name), value, false, bar, false, value <= bar, std::move(source)};
 }
 Bar at_least(std::string name, double value, double bar, std::string source) {
-  return {std::move(name), value, bar, true, value >= bar, std::move(source)};
+  return {std::move(name), value, false, bar, true, value >= bar, std::move(source)};
 }
 
 std::string csv(const std::vector<Row>& rows) {

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "app/report/svg_chart.h"
+#include "app/result/schema.h"
 #include "sim/base/workers.h"
 #include "sim/patient/snapshot.h"
 
@@ -35,14 +36,6 @@ struct Row {
   std::string title;                                    // of its picture; empty: none is made
   std::shared_ptr<const Snapshot> shown;                // what is pictured
   double at(const std::string& name) const;             // not a number when there is none
-};
-
-struct Bar {
-  std::string name;
-  double value = 0, bar = 0;
-  bool larger_is_better = false;
-  bool pass = false;
-  std::string source;  // where the bar comes from
 };
 
 struct NamedChart {

@@ -71,7 +71,7 @@ Result result_of(const std::vector<Gathered>& parts, const std::vector<Bar>& bar
     }
   r.set_empty_list("/bars");
   for (const Bar& b : bars) {
-    append(r, "/bars", ResultBar{b.name, b.source, b.value, b.bar, false, b.larger_is_better, b.pass});
+    append(r, "/bars", b);
     ok &= b.pass;
   }
   for (const Gathered& part : parts) {

@@ -33,7 +33,7 @@ void print(const bench::Result& b) {
     std::printf("%-26s %-38s %1s%11.2f %9.3g %-4s  %s%s\n", r.name.c_str(), r.method.c_str(), r.at_least ? ">" : "",
                 r.time_ms, r.error, r.error_unit.c_str(), r.settings.c_str(), r.pass ? "" : " FAIL");
   std::printf("\n%-62s %10s %10s\n", "bar", "value", "bar");
-  for (const bench::Bar& x : b.bars)
+  for (const Bar& x : b.bars)
     std::printf("%-62s %1s%9.3g %1s%9.3g  %s\n", x.name.c_str(), x.at_least ? ">" : "", x.value,
                 x.larger_is_better ? ">" : "<", x.bar, x.pass ? "pass" : "FAIL");
   for (const std::string& n : b.notes) std::printf("%s\n", n.c_str());
@@ -43,8 +43,7 @@ void fill(Result& out, const bench::Result& b) {
   out.set_empty_list("/rows");
   for (const bench::Row& r : b.rows) append(out, "/rows", r);
   out.set_empty_list("/bars");
-  for (const bench::Bar& x : b.bars)
-    append(out, "/bars", ResultBar{x.name, x.source, x.value, x.bar, x.at_least, x.larger_is_better, x.pass});
+  for (const Bar& x : b.bars) append(out, "/bars", x);
   for (size_t i = 0; i < b.notes.size(); ++i) out.set("/notes/" + std::to_string(i), b.notes[i]);
 }
 
@@ -100,7 +99,7 @@ int run(Options o) {
   fill(result, outcome.result);
   for (const auto& [title, chart] : outcome.charts) add_chart(result, title, chart);
   bool ok = outcome.interrupted.empty();
-  for (const bench::Bar& x : outcome.result.bars) ok &= x.pass;
+  for (const Bar& x : outcome.result.bars) ok &= x.pass;
   if (!outcome.interrupted.empty()) std::fprintf(stderr, "limberg: interrupted %s\n", outcome.interrupted.c_str());
   result.set_ok(ok);
   add_table(result, measured(outcome.result));

@@ -62,7 +62,7 @@ Verdict verdict_of(const ReportData& d) {
   Verdict v;
   const Maybe gap = largest_gap(d), force = largest_force(d);
   if (!d.bars.empty()) {
-    const auto met = std::count_if(d.bars.begin(), d.bars.end(), [](const ResultBar& b) { return b.pass; });
+    const auto met = std::count_if(d.bars.begin(), d.bars.end(), [](const Bar& b) { return b.pass; });
     v.say(bars_met(d, size_t(met)), size_t(met) < d.bars.size() ? Light::bad : Light::good);
   }
   if (!d.sutures().empty() && gap) {

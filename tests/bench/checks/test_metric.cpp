@@ -11,7 +11,7 @@ TEST(BenchMetric, QuickRowsHold) {
   EXPECT_GE(b.rows.size(), 12u);
   EXPECT_EQ(b.bars.size(), 3u);
   for (const bench::Row& r : b.rows) EXPECT_TRUE(r.pass) << r.name << ": " << r.method;
-  for (const bench::Bar& x : b.bars) EXPECT_TRUE(x.pass) << x.name << ": " << x.value << " against " << x.bar;
+  for (const Bar& x : b.bars) EXPECT_TRUE(x.pass) << x.name << ": " << x.value << " against " << x.bar;
 }
 
 }  // namespace test_metric

@@ -68,7 +68,7 @@ bench::Result WorldFuzzReport::result() const {
     x.error = double(value);
     r.rows.push_back(x);
   }
-  bench::Bar b;
+  Bar b;
   b.name = "invariants broken";
   b.value = double(violations.size());
   b.bar = 0;
