@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/geometry/triangle.h"
+
 namespace limberg {
 
 namespace {
@@ -29,20 +31,13 @@ void PointingSearch::slice(const Snapshot& s, size_t from, size_t to, const Vec3
     const double along = a.dot(direction);
     if (along > reach_mm) continue;
     const Vec3 b = s.x_mm[size_t(k[1])].cast<double>() - origin, c = s.x_mm[size_t(k[2])].cast<double>() - origin;
-    const Vec3 ab = b - a, ac = c - a, h = direction.cross(ac);
-    const double det = ab.dot(h);
     PointedPlace p;
     p.triangle = int32_t(t);
-    if (std::abs(det) > 1e-12) {
-      const double u = -a.dot(h) / det;
-      const Vec3 q = (-a).cross(ab);
-      const double v = direction.dot(q) / det, at = ac.dot(q) / det;
-      if (u >= 0 && v >= 0 && u + v <= 1 && at >= 0) {
-        p.bary = {1 - u - v, u, v};
-        p.along_mm = at;
-        if (at <= reach_mm && better(p, best)) best = p;
-        continue;
-      }
+    if (const auto hit = meet_ray<Vec3>(Vec3::Zero(), direction, a, b, c); hit.met) {
+      p.bary = {1 - hit.u - hit.v, hit.u, hit.v};
+      p.along_mm = hit.at;
+      if (hit.at <= reach_mm && better(p, best)) best = p;
+      continue;
     }
     if (best.triangle >= 0 && best.beside_rad == 0) continue;
     const double length = a.norm();

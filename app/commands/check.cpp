@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -75,11 +77,9 @@ void print_surface(const SurfaceReport& s) {
 
 std::string constants_of(const Material& m) {
   std::string s;
-  char part[64];
   for (const auto& c : m.law.constants) {
     s += (s.empty() ? "" : ", ") + c.key + " ";
-    for (size_t i = 0; i < c.value.size(); ++i)
-      std::snprintf(part, sizeof part, "%s%.6g", i ? " " : "", c.value[i]), s += part;
+    for (size_t i = 0; i < c.value.size(); ++i) s += fmt::format("{}{:.6g}", i ? " " : "", c.value[i]);
   }
   return s;
 }

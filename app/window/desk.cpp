@@ -45,11 +45,10 @@ void lane(const char* name, double ms, double period_ms, std::string note, bool 
   ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted(name);
   ImGui::SameLine(64);
-  char text[48];
-  std::snprintf(text, sizeof text, ms < 1 ? "%.2f of %.3g ms" : "%.1f of %.3g ms", ms, period_ms);
+  const std::string text = fmt::format("{:.{}f} of {:.3g} ms", ms, ms < 1 ? 2 : 1, period_ms);
   ImGui::PushStyleColor(ImGuiCol_PlotHistogram,
                         share < 0.85f || may_last ? ImVec4(0.25f, 0.52f, 0.58f, 1) : ImVec4(0.75f, 0.45f, 0.20f, 1));
-  ImGui::ProgressBar(share, {narrow ? 112.0f : 170.0f, 0}, text);
+  ImGui::ProgressBar(share, {narrow ? 112.0f : 170.0f, 0}, text.c_str());
   ImGui::PopStyleColor();
   ImGui::SameLine();
   ImGui::TextColored(kQuiet, "%s", note.c_str());
@@ -272,10 +271,9 @@ void Desk::patient(const DeskReading& r, int width, int height) {
     const char* mark = n.kind == Notice::undone   ? "taken back"
                        : n.kind == Notice::redone ? "done again"
                                                   : n.text.data();
-    char when[24];
-    std::snprintf(when, sizeof when, "%.1f s", n.t_s);
+    const std::string when = fmt::format("{:.1f} s", n.t_s);
     const bool refused = n.kind == Notice::refused;
-    listed(refused ? kBad : ImGui::GetStyleColorVec4(ImGuiCol_Text), 58, when,
+    listed(refused ? kBad : ImGui::GetStyleColorVec4(ImGuiCol_Text), 58, when.c_str(),
            refused ? (std::string(n.action.data()) + " refused: " + n.text.data()).c_str() : mark);
   }
   if (ImGui::GetScrollY() >= ImGui::GetScrollMaxY() - 4) ImGui::SetScrollHereY(1);
@@ -291,27 +289,22 @@ void Desk::lanes(const DeskReading& r, int width, int height) {
   if (r.gauges) {
     const LaneGauges& g = *r.gauges;
     const auto ms = [](const std::atomic<int64_t>& v) { return double(LaneGauges::get(v)) * 1e-6; };
-    char note[112];
-    std::snprintf(note, sizeof note, "%lld late of %lld, %.0f samples/s",
-                  static_cast<long long>(LaneGauges::get(g.device_late)),
-                  static_cast<long long>(LaneGauges::get(g.tick)), r.samples_per_s);
-    lane("hand", ms(g.device_ns), 1, note);
-    std::snprintf(note, sizeof note, "residual %.1e, about %.2g mm from equilibrium", double(s.residual),
-                  double(s.distance_mm));
-    lane("patient", ms(g.solver_ns), 16, note);
-    const int at = std::snprintf(note, sizeof note, "shows what was %lld ms ago, %.0f pictures/s",
-                                 static_cast<long long>(std::max<int64_t>(0, LaneGauges::get(g.tick) - s.device_tick)),
-                                 r.pictures_per_s);
-    if (const int64_t loss = LaneGauges::get(g.loss_permille); loss >= 0 && at > 0) {
+    lane("hand", ms(g.device_ns), 1,
+         fmt::format("{} late of {}, {:.0f} samples/s", LaneGauges::get(g.device_late), LaneGauges::get(g.tick),
+                     r.samples_per_s));
+    lane("patient", ms(g.solver_ns), 16,
+         fmt::format("residual {:.1e}, about {:.2g} mm from equilibrium", s.residual, s.distance_mm));
+    const std::string seen =
+        fmt::format("shows what was {} ms ago", std::max<int64_t>(0, LaneGauges::get(g.tick) - s.device_tick));
+    std::string note = "at rest, drawn finely; " + seen;
+    if (!r.at_leisure) {
+      note = fmt::format("{}, {:.0f} pictures/s", seen, r.pictures_per_s);
       // Beside other programs steps take several times as long: that is no figure of the pictures.
-      if (loss > 1000)
-        std::snprintf(note + at, sizeof note - size_t(at), ", the machine is busy");
-      else
-        std::snprintf(note + at, sizeof note - size_t(at), ", the patient loses %.0f %%", 0.1 * double(loss));
+      if (const int64_t loss = LaneGauges::get(g.loss_permille); loss > 1000)
+        note += ", the machine is busy";
+      else if (loss >= 0)
+        note += fmt::format(", the patient loses {:.0f} %", 0.1 * double(loss));
     }
-    if (r.at_leisure)
-      std::snprintf(note, sizeof note, "at rest, drawn finely; shows what was %lld ms ago",
-                    static_cast<long long>(std::max<int64_t>(0, LaneGauges::get(g.tick) - s.device_tick)));
     lane("picture", ms(g.frame_ns), 33, note, r.at_leisure);
   }
   ImGui::End();
@@ -429,18 +422,13 @@ void Desk::draw(const DeskReading& r, const std::vector<Vec3f>& ruler_px, int wi
       if (i > 0) d.AddLine({ruler_px[i - 1].x(), ruler_px[i - 1].y()}, {ruler_px[i].x(), ruler_px[i].y()}, ink, 2);
       d.AddCircleFilled({ruler_px[i].x(), ruler_px[i].y()}, 4, ink);
     }
-    char text[96];
-    if (ruler_px.size() == 3)
-      std::snprintf(text, sizeof text, "%.1f mm (%.1f at rest), %.1f\u00b0", r.ruler.length_mm, r.ruler.rest_mm,
-                    r.ruler.angle_deg);
-    else if (ruler_px.size() == 2)
-      std::snprintf(text, sizeof text, "%.1f mm (%.1f at rest)", r.ruler.length_mm, r.ruler.rest_mm);
-    else
-      std::snprintf(text, sizeof text, "second point?");
+    std::string text = "second point?";
+    if (ruler_px.size() >= 2) text = fmt::format("{:.1f} mm ({:.1f} at rest)", r.ruler.length_mm, r.ruler.rest_mm);
+    if (ruler_px.size() == 3) text += fmt::format(", {:.1f}\u00b0", r.ruler.angle_deg);
     const Vec3f& p = ruler_px.back();
-    const ImVec2 size = ImGui::CalcTextSize(text);
+    const ImVec2 size = ImGui::CalcTextSize(text.c_str());
     d.AddRectFilled({p.x() + 8, p.y() + 4}, {p.x() + 16 + size.x, p.y() + 10 + size.y}, IM_COL32(15, 22, 26, 200), 3);
-    d.AddText({p.x() + 12, p.y() + 7}, ink, text);
+    d.AddText({p.x() + 12, p.y() + 7}, ink, text.c_str());
   }
 }
 

@@ -160,7 +160,7 @@ class Hit {
 void violated(Told& told, int64_t number, const std::string& what) {
   if (told.violations++ > 0) return;
   told.first = number;
-  std::snprintf(told.what, sizeof told.what, "%s", what.c_str());
+  told.what[what.copy(told.what, sizeof told.what - 1)] = 0;
 }
 
 void limit_memory(int64_t most_bytes) {
