@@ -6,29 +6,17 @@
 #include <map>
 #include <random>
 
-#include "sim/body/block.h"
 #include "sim/commands/strokes.h"
 #include "sim/cutting/arrangement/arrangement.h"
 #include "sim/patient/soft_tissue.h"
 #include "sim/patient/world.h"
 #include "tests/sim/drawn_pieces.h"
+#include "tests/sim/patient/small_block.h"
 
 namespace limberg {
 namespace test_drawing {
 
-WorldSpec block() {
-  BlockSpec b;
-  b.size_mm = {80, 80, 10};
-  b.skin_cell_mm = 2;
-  Material skin, fat;
-  skin.young_kPa = 60, skin.poisson = 0.45, skin.prestretch_along = skin.prestretch_across = 1.08;
-  fat.young_kPa = 12, fat.poisson = 0.45;
-  b.layers = {{"skin", 1.5, skin}, {"fat", 8.5, fat}};
-  WorldSpec spec;
-  spec.body = std::make_shared<Body>(make_block(b));
-  spec.cell_mm = 5;
-  return spec;
-}
+WorldSpec block() { return test::small_block({.side_mm = 80}); }
 
 /// What must not depend on how a path was divided.
 struct Shape {

@@ -3,23 +3,16 @@
 
 #include <stdexcept>
 
-#include "sim/body/block.h"
 #include "sim/cutting/arrangement/fault.h"
 #include "sim/patient/world.h"
+#include "tests/sim/patient/planted_defect.h"
+#include "tests/sim/patient/small_block.h"
 
 namespace limberg {
 namespace test_faults {
 
 WorldSpec block(FaultPlan& fault) {
-  BlockSpec b;
-  b.size_mm = {50, 50, 10};
-  b.skin_cell_mm = 2;
-  Material skin;
-  skin.poisson = 0.45, skin.prestretch_along = skin.prestretch_across = 1.08;
-  b.layers = {{"skin", 10, skin}};
-  WorldSpec spec;
-  spec.body = std::make_shared<Body>(make_block(b));
-  spec.cell_mm = 5;
+  WorldSpec spec = test::small_block({.side_mm = 50, .fat = false});
   spec.fault = &fault;
   return spec;
 }
@@ -80,17 +73,6 @@ TEST(Faults, ACutThatFailsInsideChangesNothing) {
     }
 }
 
-/// Throws as a defect of the program would, at one of the signs that decide a cut.
-struct Defect : SignWatcher {
-  int64_t at = -1, calls = 0;
-  void pass() {
-    if (calls++ == at) throw std::out_of_range("a planted defect");
-  }
-  void side(const Plane&, const PointRef&, int) override { pass(); }
-  void turn(const Plane&, const PointRef&, const PointRef&, const PointRef&, int) override { pass(); }
-  void order(int, const PointRef&, const PointRef&, int) override { pass(); }
-};
-
 // What is no refusal of a cut but a defect of the program is told as one, and the cut is taken back all the same.
 TEST(Faults, ADefectInsideACutIsThrownOnAndChangesNothing) {
   const std::vector<Act> acts = {{"incision across a wall", Incise{{{-15, 0.3}, {15, 0.9}}, 4, 80}},
@@ -100,7 +82,7 @@ TEST(Faults, ADefectInsideACutIsThrownOnAndChangesNothing) {
   for (const Act& act : acts) {
     SCOPED_TRACE(act.name);
     FaultPlan fault;
-    Defect defect;
+    test::PlantedDefect defect;
     fault.watch = &defect;
     World world(block(fault), workers);
     ASSERT_TRUE(world.apply(Incise{{{0.3, -17}, {-0.4, 16}}, 4, 90}).done);

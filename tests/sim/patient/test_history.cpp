@@ -11,27 +11,20 @@
 #include <random>
 #include <stdexcept>
 
-#include "sim/body/block.h"
 #include "sim/cutting/arrangement/fault.h"
 #include "sim/patient/soft_tissue.h"
 #include "sim/patient/world.h"
 #include "sim/skull/head/head.h"
 #include "sim/skull/simplex/generators.h"
+#include "tests/sim/patient/planted_defect.h"
+#include "tests/sim/patient/small_block.h"
 
 namespace limberg {
 namespace test_history {
 
 /// Skin over a ball of bone that can be moved, and one that cannot.
 std::unique_ptr<World> patient(FaultPlan* fault, Workers& workers) {
-  BlockSpec b;
-  b.size_mm = {40, 40, 8};
-  b.skin_cell_mm = 4;
-  Material skin;
-  skin.poisson = 0.45, skin.prestretch_along = skin.prestretch_across = 1.08;
-  b.layers = {{"skin", 8, skin}};
-  WorldSpec spec;
-  spec.body = std::make_shared<Body>(make_block(b));
-  spec.cell_mm = 6;
+  WorldSpec spec = test::small_block({.side_mm = 40, .thickness_mm = 8, .skin_cell_mm = 4, .cell_mm = 6, .fat = false});
   spec.fault = fault;
   HeadParts parts;
   parts.bones.push_back({"ball", simplex::make_sphere({0, 0, -45}, 30, 2), false});
@@ -45,17 +38,6 @@ std::unique_ptr<World> patient(FaultPlan* fault, Workers& workers) {
   for (int i = 0; i < 2; ++i) world->step(s);
   return world;
 }
-
-/// Throws as a defect of the program would, at one of the signs that decide a cut.
-struct Defect : SignWatcher {
-  int64_t at = -1, calls = 0;
-  void pass() {
-    if (calls++ == at) throw std::out_of_range("a planted defect");
-  }
-  void side(const Plane&, const PointRef&, int) override { pass(); }
-  void turn(const Plane&, const PointRef&, const PointRef&, const PointRef&, int) override { pass(); }
-  void order(int, const PointRef&, const PointRef&, int) override { pass(); }
-};
 
 class Hand {
  public:
@@ -198,7 +180,7 @@ struct Counts {
 void operate(uint64_t seed, int acts, Counts& n) {
   InlineWorkers workers;
   FaultPlan fault;
-  Defect defect;
+  test::PlantedDefect defect;
   fault.watch = &defect;
   const std::unique_ptr<World> world = patient(&fault, workers);
   Hand hand(seed);

@@ -5,26 +5,17 @@
 #include <cmath>
 #include <random>
 
-#include "sim/body/block.h"
 #include "sim/fem/solver/engine.h"
 #include "sim/fem/solver/lbfgs_solver.h"
 #include "sim/patient/soft_tissue.h"
 #include "sim/patient/world.h"
+#include "tests/sim/patient/small_block.h"
 
 namespace limberg {
 namespace test_metric_history {
 
 WorldSpec block(bool refined) {
-  BlockSpec b;
-  b.size_mm = {60, 60, 10};
-  b.skin_cell_mm = 2;
-  Material skin, fat;
-  skin.young_kPa = 60, skin.poisson = 0.45, skin.prestretch_along = 1.1, skin.prestretch_across = 1.06;
-  fat.young_kPa = 12, fat.poisson = 0.45;
-  b.layers = {{"skin", 1.5, skin}, {"fat", 8.5, fat}};
-  WorldSpec spec;
-  spec.body = std::make_shared<Body>(make_block(b));
-  spec.cell_mm = 4;
+  WorldSpec spec = test::small_block({.cell_mm = 4, .along = 1.1, .across = 1.06});
   spec.refine_fronts = refined;
   return spec;
 }

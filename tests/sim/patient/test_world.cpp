@@ -5,27 +5,17 @@
 #include <cmath>
 #include <map>
 
-#include "sim/body/block.h"
 #include "sim/cutting/strokes/blade_build.h"
 #include "sim/lattice/topology.h"
 #include "sim/patient/soft_tissue.h"
 #include "sim/patient/world.h"
+#include "tests/sim/patient/small_block.h"
 
 namespace limberg {
 namespace test_world {
 
 WorldSpec small_block(double prestretch = 1.08) {
-  BlockSpec b;
-  b.size_mm = {60, 60, 10};
-  b.skin_cell_mm = 1.2;
-  Material skin, fat;
-  skin.young_kPa = 60, skin.poisson = 0.45, skin.prestretch_along = skin.prestretch_across = prestretch;
-  fat.young_kPa = 12, fat.poisson = 0.45;
-  b.layers = {{"skin", 1.5, skin}, {"fat", 8.5, fat}};
-  WorldSpec spec;
-  spec.body = std::make_shared<Body>(make_block(b));
-  spec.cell_mm = 3.5;
-  return spec;
+  return test::small_block({.skin_cell_mm = 1.2, .cell_mm = 3.5, .along = prestretch, .across = prestretch});
 }
 
 double largest_move_mm(const World& world) {
