@@ -16,11 +16,11 @@ namespace {
 constexpr size_t kPlaceGrain = 32, kChunks = 4;  // places of a chunk, at least; chunks of a worker's share
 constexpr double kNear_mm = 0.3;                 // clearance of pairs that may press within a few iterations
 constexpr double kSorted_mm = 2;                 // cells may go so far until their tree is sorted again
-constexpr double kTurn_mm = 0.08;                // less motion turns no surface by the angle that counts
+constexpr double kTurn_mm = 0.08;                // less motion turns no surface by turn_deg
 constexpr double kLeast_mm = 0.005;              // pairs are checked again after so much motion at least
-constexpr double kNever_mm = 1e30;               // until pairs turn that are not there
-constexpr int kFullTurns = 2;                    // projections in one neighbourhood that go all the way
-constexpr int kMostTurns = 8;                    // the last one
+constexpr double kNever_mm = 1e30;               // until pairs go stale that are not there
+constexpr int kFullProjections = 2;              // projections in one neighbourhood that go all the way
+constexpr int kMostProjections = 8;              // the last one
 const double kTurnCos = std::cos(constant::turn_deg * std::numbers::pi / 180);
 
 }  // namespace
@@ -101,7 +101,8 @@ void ContactFinder::check(size_t chunk) {
     here.due |= g.due;
     for (size_t i = g.first; i < g.last; ++i) state_[i].due = g.due, state_[i].stale = false;
   }
-  // Lists that nobody will use again tell one thing still: how near pairs may have come that do not turn for sure.
+  // Lists that nobody will use again tell one thing still: how near pairs may have come that have not gone stale for
+  // sure.
   if (!listed && here.left_mm < kNever_mm)
     for (size_t k = here.first; k < here.last && moved < here.left_mm; ++k)
       if (Group& g = group_[k]; !g.listed) complete_list(g, relation), moved = std::max(moved, moved_mm(g));
@@ -116,10 +117,10 @@ void ContactFinder::check(size_t chunk) {
     p.s_mm = h.normal.dot(apart) - h.gap_mm;
     Vec3 slid = apart - h.apart_mm;
     slid -= h.normal.dot(slid) * h.normal;
-    double left = h.judged ? (p.s_mm < 0 ? kTurn_mm : p.s_mm + kTurn_mm) : p.s_mm;
+    double left = h.depth_tested ? (p.s_mm < 0 ? kTurn_mm : p.s_mm + kTurn_mm) : p.s_mm;
     p.stale = left < 0;
     if (!p.stale && p.s_mm < constant::guard_mm) {
-      const bool damped = l.turns > kMostTurns && (l.slid_mm + slid).norm() < constant::neighbourhood_mm;
+      const bool damped = l.projections > kMostProjections && (l.slid_mm + slid).norm() < constant::neighbourhood_mm;
       if (!damped) {
         const double more = constant::slide_mm + std::max(0.0, p.s_mm) - slid.norm();
         p.stale =
@@ -154,7 +155,7 @@ void ContactFinder::make_contact(Pair& p) const {
 bool ContactFinder::slide(PlaceState& l, const Vec3& slid_mm) const {
   l.slid_mm += slid_mm;
   if (!(l.slid_mm.norm() > constant::neighbourhood_mm)) return false;
-  l.slid_mm = Vec3::Zero(), l.turns = 0;
+  l.slid_mm = Vec3::Zero(), l.projections = 0;
   return true;
 }
 
@@ -162,7 +163,7 @@ bool ContactFinder::slide(PlaceState& l, const Vec3& slid_mm) const {
 void ContactFinder::merge(size_t i, std::span<Pair> before, std::vector<HeldContact>& found, Chunk& chunk,
                           std::vector<Pair>& out) {
   PlaceState& l = state_[i];
-  double part = l.turns < kFullTurns ? 1 : 1.0 / (l.turns - kFullTurns + 2);
+  double part = l.projections < kFullProjections ? 1 : 1.0 / (l.projections - kFullProjections + 2);
   bool reprojected = false;
   const auto leave_foot = [&](const Pair& p) {  // before it is forgotten; what is stale has been counted
     if (p.stale) return;
@@ -194,10 +195,10 @@ void ContactFinder::merge(size_t i, std::span<Pair> before, std::vector<HeldCont
       } else {
         reprojected = true;
         leave_foot(p);
-        // What nobody had judged when it was found, in front of the place, does not press: it goes, as long as the
+        // A pair found in front of the place, whose depth was never tested, does not press: it goes, as long as the
         // place is not damped.
-        p.held.weight *= p.held.judged || l.turns > kMostTurns ? 1 - part : 0;
-        p.held.judged = true;  // just now: else it would be asked about again at every look, and never stand still
+        p.held.weight *= p.held.depth_tested || l.projections > kMostProjections ? 1 - part : 0;
+        p.held.depth_tested = true;  // just now: else the pair would be stale at every check, and never stand still
         p.held.facet =
             carried_normal(p.held.triangle, p.held.bary, tissue_.smooth_normal(p.held.triangle, p.held.bary));
         if (p.held.weight > kNothing)
@@ -221,7 +222,7 @@ void ContactFinder::merge(size_t i, std::span<Pair> before, std::vector<HeldCont
       leave_foot(p);
       const double weight = p.held.weight;
       const Vec3 normal = p.held.normal;
-      const bool pressed = p.held.judged;
+      const bool pressed = p.held.depth_tested;
       p.held = n;
       if (pressed && part < 1) {
         p.held.weight = weight + part * (n.weight - weight);
@@ -231,16 +232,16 @@ void ContactFinder::merge(size_t i, std::span<Pair> before, std::vector<HeldCont
       place(p);
     }
   }
-  if (reprojected) ++l.turns, ++chunk.reprojected;
+  if (reprojected) ++l.projections, ++chunk.reprojected;
 }
 
 // Broad phase: the cells that hold the places which are due.
 void ContactFinder::find_cells(size_t chunk) {
   Chunk& here = chunk_[chunk];
-  here.held.clear(), here.unknown.clear();
+  here.located.clear(), here.unknown.clear();
   if (!here.due) return;
-  std::vector<Held> judged;
-  judged.reserve(here.judged.size() + 16);
+  std::vector<Located> next;
+  next.reserve(here.before.size() + 16);
   std::vector<Point> point;
   std::vector<Around> around;
   std::vector<uint8_t> relation;
@@ -259,27 +260,27 @@ void ContactFinder::find_cells(size_t chunk) {
     size_t queries = 0;
     for (size_t i = g.first; i < g.last; ++i) {
       PlaceState& l = state_[i];
-      const size_t was = old, now = here.held.size();
-      while (old < here.judged.size() && size_t(here.judged[old].place) == i) ++old;
+      const size_t was = old, now = here.located.size();
+      while (old < here.before.size() && size_t(here.before[old].place) == i) ++old;
       if (l.due) {
-        locate(point[queries++], around, here.held), ++here.queries;
-        l.due = l.stale || !unmoved({here.held.begin() + ptrdiff_t(now), here.held.end()},
-                                    {here.judged.begin() + ptrdiff_t(was), here.judged.begin() + ptrdiff_t(old)});
-        if (!l.due) here.held.resize(now);
+        locate(point[queries++], around, here.located), ++here.queries;
+        l.due = l.stale || !unmoved({here.located.begin() + ptrdiff_t(now), here.located.end()},
+                                    {here.before.begin() + ptrdiff_t(was), here.before.begin() + ptrdiff_t(old)});
+        if (!l.due) here.located.resize(now);
       }
       if (l.due)
-        judged.insert(judged.end(), here.held.begin() + ptrdiff_t(now), here.held.end());
+        next.insert(next.end(), here.located.begin() + ptrdiff_t(now), here.located.end());
       else
-        judged.insert(judged.end(), here.judged.begin() + ptrdiff_t(was), here.judged.begin() + ptrdiff_t(old));
-      for (size_t h = now; h < here.held.size(); ++h)
-        if (!tissue_.known(here.held[h].part)) here.unknown.push_back(here.held[h].part);
+        next.insert(next.end(), here.before.begin() + ptrdiff_t(was), here.before.begin() + ptrdiff_t(old));
+      for (size_t h = now; h < here.located.size(); ++h)
+        if (!tissue_.known(here.located[h].part)) here.unknown.push_back(here.located[h].part);
     }
   }
-  here.judged.swap(judged);
+  here.before.swap(next);
 }
 
-bool ContactFinder::unmoved(std::span<const Held> now, std::span<const Held> judged) const {
-  return std::equal(now.begin(), now.end(), judged.begin(), judged.end(), [&](const Held& a, const Held& b) {
+bool ContactFinder::unmoved(std::span<const Located> now, std::span<const Located> before) const {
+  return std::equal(now.begin(), now.end(), before.begin(), before.end(), [&](const Located& a, const Located& b) {
     const auto moved_mm = [&] { return (a.at - b.at).cwiseProduct(tissue_.size_mm(size_t(a.copy))).norm(); };
     return a.copy == b.copy && a.in == b.in && moved_mm() < constant::slide_mm;
   });
@@ -292,7 +293,7 @@ void ContactFinder::find_pairs(size_t chunk) {
   out.reserve(here.pair.size() + 16);
   std::vector<HeldContact> found;
   const size_t first = group_[here.first].first, last = group_[here.last - 1].last;
-  size_t pair = 0, held = 0;
+  size_t pair = 0, at = 0;
   for (size_t i = first; i < last; ++i) {
     size_t end = pair;
     while (end < here.pair.size() && size_t(here.pair[end].held.place) == i) ++end;
@@ -302,11 +303,11 @@ void ContactFinder::find_pairs(size_t chunk) {
       out.insert(out.end(), before.begin(), before.end());
       continue;
     }
-    end = held;
-    while (end < here.held.size() && size_t(here.held[end].place) == i) ++end;
+    end = at;
+    while (end < here.located.size() && size_t(here.located[end].place) == i) ++end;
     found.clear();
-    narrow_phase(i, {here.held.data() + held, end - held}, found);
-    held = end;
+    narrow_phase(i, {here.located.data() + at, end - at}, found);
+    at = end;
     merge(i, before, found, here, out);
   }
   here.pair.swap(out);
@@ -348,7 +349,7 @@ bool ContactFinder::follow(std::span<const Vec3f> u, Workers& workers) {
     for (const Pair& p : c.pair)
       if (p.held.weight > kNothing) contacts_.push_back(p.contact);
   counts_.pairs = contacts_.size(), counts_.damped = 0;
-  for (const PlaceState& l : state_) counts_.damped += l.turns > kMostTurns;
+  for (const PlaceState& l : state_) counts_.damped += l.projections > kMostProjections;
   return true;
 }
 
@@ -357,8 +358,8 @@ ContactMemory ContactFinder::memory() const {
   for (const Chunk& c : chunk_)
     for (const Pair& p : c.pair) m.pairs.push_back(p.held);
   for (size_t i = 0; i < state_.size(); ++i)
-    if (state_[i].turns > 0 || !state_[i].slid_mm.isZero(0))
-      m.spots.push_back({int32_t(i), state_[i].turns, state_[i].slid_mm});
+    if (state_[i].projections > 0 || !state_[i].slid_mm.isZero(0))
+      m.damping.push_back({int32_t(i), state_[i].projections, state_[i].slid_mm});
   return m;
 }
 
@@ -369,9 +370,9 @@ void ContactFinder::resume(const ContactMemory& m) {
   for (const HeldContact& h : m.pairs)
     if (h.place < 0 || size_t(h.place) >= state_.size() || h.triangle < 0 || size_t(h.triangle) >= surface_->tri.size())
       wrong();
-  for (const ContactMemory::Spot& s : m.spots)
-    if (s.place < 0 || size_t(s.place) >= state_.size()) wrong();
-  for (Chunk& c : chunk_) c.pair.clear(), c.judged.clear(), c.left_mm = 0;
+  for (const ContactMemory::Damping& d : m.damping)
+    if (d.place < 0 || size_t(d.place) >= state_.size()) wrong();
+  for (Chunk& c : chunk_) c.pair.clear(), c.before.clear(), c.left_mm = 0;
   resumed_ = true;
   for (PlaceState& l : state_) l = PlaceState();
   for (Group& g : group_)
@@ -382,8 +383,8 @@ void ContactFinder::resume(const ContactMemory& m) {
     make_contact(p);
     chunk_[chunk_of_[size_t(h.place)]].pair.push_back(p);
   }
-  for (const ContactMemory::Spot& s : m.spots)
-    state_[size_t(s.place)].turns = s.turns, state_[size_t(s.place)].slid_mm = s.slid_mm;
+  for (const ContactMemory::Damping& d : m.damping)
+    state_[size_t(d.place)].projections = d.projections, state_[size_t(d.place)].slid_mm = d.slid_mm;
 }
 
 }  // namespace limberg

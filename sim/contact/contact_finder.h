@@ -87,11 +87,11 @@ class ContactFinder {
   };
   struct PlaceState {  // of a place
     Vec3 slid_mm = Vec3::Zero();
-    int32_t turns = 0;
-    bool due = false;    // it is queried, since its group is or a pair of its own is stale
-    bool stale = false;  // a pair of its own is
+    int32_t projections = 0;  // in this neighbourhood
+    bool due = false;         // it is queried, since its group is or a pair of its own is stale
+    bool stale = false;       // a pair of its own is
   };
-  struct Held {  // a place that is in or near a copy
+  struct Located {  // a place that is in or near a copy
     int32_t place = 0, copy = 0;
     bool adjacent = false, in = false;  // in the cell itself, not beside it
     int32_t part = 0;
@@ -100,11 +100,11 @@ class ContactFinder {
   struct Chunk {
     size_t first = 0, last = 0;  // of groups
     std::vector<Pair> pair;
-    std::vector<Held> held;        // by place; of this search
-    std::vector<Held> judged;      // by place; by which each was judged last
+    std::vector<Located> located;  // by place; of this search
+    std::vector<Located> before;   // by place; of the search from which its pairs come
     std::vector<int32_t> unknown;  // parts
     bool changed = false, due = false;
-    double left_mm = 0;     // until any of its pairs can turn
+    double left_mm = 0;     // until any of its pairs can go stale
     double nearest_mm = 0;  // clearance of its nearest pair, at least
     uint64_t queries = 0, reprojected = 0;
   };
@@ -122,10 +122,10 @@ class ContactFinder {
   };
   void broad_phase(const Group& group, std::span<const Point> points, std::vector<Around>& around,
                    std::vector<uint8_t>& relation) const;
-  void locate(const Point& point, std::span<const Around> around, std::vector<Held>& held) const;
-  bool unmoved(std::span<const Held> now, std::span<const Held> judged) const;
+  void locate(const Point& point, std::span<const Around> around, std::vector<Located>& located) const;
+  bool unmoved(std::span<const Located> now, std::span<const Located> before) const;
   bool slide(PlaceState& state, const Vec3& slid_mm) const;
-  void narrow_phase(size_t place, std::span<const Held> held, std::vector<HeldContact>& found) const;
+  void narrow_phase(size_t place, std::span<const Located> located, std::vector<HeldContact>& found) const;
   void find_cells(size_t chunk);
   void find_pairs(size_t chunk);
   void merge(size_t place, std::span<Pair> before, std::vector<HeldContact>& found, Chunk& chunk,

@@ -15,19 +15,19 @@ struct HeldContact {
   Vec3 normal = Vec3::UnitZ();   // of the plane
   Vec3 facet = Vec3::UnitZ();    // the sheet's normal at the foot when the pair was found
   Vec3 apart_mm = Vec3::Zero();  // of place and foot as the cells carry them, when it was found
-  double gap_mm = 0;    // s = normal . apart - gap: clearance of the surfaces as they are shown; negative inside
-  double weight = 0;    // 0 to 1
-  bool judged = false;  // is the weight that of a place that presses?
+  double gap_mm = 0;          // s = normal . apart - gap: clearance of the surfaces as they are shown; negative inside
+  double weight = 0;          // 0 to 1
+  bool depth_tested = false;  // its weight says how deep the place is, and which way is out; else it is in front
 };
 
 /// What a finder must get back to go on as it would have. A place that is not named is fresh.
 struct ContactMemory {
-  struct Spot {
-    int32_t place = 0, turns = 0;
+  struct Damping {
+    int32_t place = 0, projections = 0;  // in the neighbourhood that it has slid through so far
     Vec3 slid_mm = Vec3::Zero();
   };
   std::vector<HeldContact> pairs;  // by place, then sheet
-  std::vector<Spot> spots;         // by place
+  std::vector<Damping> damping;    // by place
 };
 
 }  // namespace limberg

@@ -78,37 +78,37 @@ void ContactFinder::broad_phase(const Group& g, std::span<const Point> points, s
 
 // Which of the copies around hold it, and where. What the neighbours
 // of a copy that holds it say from without, it knows itself.
-void ContactFinder::locate(const Point& point, std::span<const Around> around, std::vector<Held>& held) const {
+void ContactFinder::locate(const Point& point, std::span<const Around> around, std::vector<Located>& located) const {
   const Vec3f& p = point.p;
   const int32_t sheet = surface_->sheets.of[size_t(surface_->place[point.place].triangle)];
-  const size_t first = held.size();
+  const size_t first = located.size();
   for (const Around& a : around) {
     const size_t c = size_t(a.copy);
     if (!cells_.may_hold(c, p, !a.adjacent) || (a.adjacent && !tissue_.has_other_wall(c, sheet))) continue;
     Vec3 at;
     if (!cells_.invert(c, p, a.adjacent ? 0 : float(RestTissue::kBeyond), at)) continue;
     const bool in = (at.array() >= 0).all() && (at.array() <= 1).all();
-    held.push_back({int32_t(point.place), a.copy, a.adjacent, in, tissue_.part(c, at), at});
+    located.push_back({int32_t(point.place), a.copy, a.adjacent, in, tissue_.part(c, at), at});
   }
   size_t kept = first;
-  for (size_t k = first; k < held.size(); ++k) {
-    const Held& h = held[k];
+  for (size_t k = first; k < located.size(); ++k) {
+    const Located& h = located[k];
     bool told = false;
-    for (size_t j = first; !h.in && !told && j < held.size(); ++j)
-      told = held[j].in && tissue_.adjacent(size_t(held[j].copy), size_t(h.copy));
-    if (!told) held[kept++] = h;
+    for (size_t j = first; !h.in && !told && j < located.size(); ++j)
+      told = located[j].in && tissue_.adjacent(size_t(located[j].copy), size_t(h.copy));
+    if (!told) located[kept++] = h;
   }
-  held.resize(kept);
+  located.resize(kept);
 }
 
 // What the answers of these copies make of it: at most one pair for each sheet.
-void ContactFinder::narrow_phase(size_t i, std::span<const Held> held, std::vector<HeldContact>& found) const {
+void ContactFinder::narrow_phase(size_t i, std::span<const Located> located, std::vector<HeldContact>& found) const {
   const ContactSurface& s = *surface_;
   const ContactPlace& place = s.place[i];
   const int32_t own_sheet = s.sheets.of[size_t(place.triangle)];
   Vec3 own = Vec3::Zero(), shown = Vec3::Zero();
   RestTissue::Answer a;
-  for (const Held& in : held) {
+  for (const Located& in : located) {
     const size_t c = size_t(in.copy);
     if (in.adjacent && (tissue_.rest_mm(c, in.at) - place.X_mm).squaredNorm() < kOwn_mm * kOwn_mm &&
         s.lattice->cells[size_t(tissue_.copy(c))].cell != s.lattice->cells[size_t(place.copy)].cell)
@@ -149,9 +149,9 @@ void ContactFinder::narrow_phase(size_t i, std::span<const Held> held, std::vect
       h.normal = h.facet = normal[k];
       const double s_mm = h.normal.dot(shown - shown_mm(f.triangle, f.bary));
       h.gap_mm = -s_mm;  // for the time being: it needs to know how the cells carry both (merge)
-      h.judged = a.inside || f.distance_mm < kSurface_mm;
+      h.depth_tested = a.inside || f.distance_mm < kSurface_mm;
       h.weight = 1;
-      if (h.judged) {
+      if (h.depth_tested) {
         h.weight = (1 - smooth_step(depth[k] / least, constant::other_full, constant::other_none)) *
                    smooth_step(facing[k], constant::facing_none, constant::facing_full);
         h.weight *= 1 - smooth_step(f.distance_mm, constant::deep_full_mm, constant::deep_none_mm);
@@ -165,7 +165,7 @@ void ContactFinder::narrow_phase(size_t i, std::span<const Held> held, std::vect
           std::find_if(found.begin(), found.end(), [&](const HeldContact& other) { return other.sheet == h.sheet; });
       if (same == found.end())
         found.push_back(h);
-      else if (std::pair(h.judged, -std::abs(h.gap_mm)) > std::pair(same->judged, -std::abs(same->gap_mm)))
+      else if (std::pair(h.depth_tested, -std::abs(h.gap_mm)) > std::pair(same->depth_tested, -std::abs(same->gap_mm)))
         *same = h;
     }
   }

@@ -63,7 +63,7 @@ class RestTissue {
   std::span<const int32_t> adjacent(size_t c) const {
     return {adjacent_.data() + adjacent_begin_[c], size_t(adjacent_begin_[c + 1] - adjacent_begin_[c])};
   }
-  /// A copy without triangles in a parted cell: nobody knows where its material is.
+  /// A copy without triangles in a parted cell: where its material lies is not known.
   bool is_empty(size_t c) const { return bare_[c] && !whole_[c]; }
   /// Does copy c carry a wall of another sheet than this (-1: any wall)? Kin that do not are the tissue around a place.
   bool has_other_wall(size_t c, int32_t sheet) const {

@@ -113,18 +113,18 @@ void fields(const SolverState& s, V&& v) {
 }
 template <class V>
 void fields(const HeldContact& c, V&& v) {
-  const auto& [place, sheet, triangle, bary, normal, facet, apart_mm, gap_mm, weight, judged] = c;
-  v(place, sheet, triangle, bary, normal, facet, apart_mm, gap_mm, weight, judged);
+  const auto& [place, sheet, triangle, bary, normal, facet, apart_mm, gap_mm, weight, depth_tested] = c;
+  v(place, sheet, triangle, bary, normal, facet, apart_mm, gap_mm, weight, depth_tested);
 }
 template <class V>
-void fields(const ContactMemory::Spot& s, V&& v) {
-  const auto& [place, turns, slid_mm] = s;
-  v(place, turns, slid_mm);
+void fields(const ContactMemory::Damping& d, V&& v) {
+  const auto& [place, projections, slid_mm] = d;
+  v(place, projections, slid_mm);
 }
 template <class V>
 void fields(const ContactMemory& m, V&& v) {
-  const auto& [pairs, spots] = m;
-  v(pairs, spots);
+  const auto& [pairs, damping] = m;
+  v(pairs, damping);
 }
 /// The model and the index follow from lattice and surface; the number of the surface's version grows with undo, too.
 template <class V>

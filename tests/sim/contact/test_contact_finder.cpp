@@ -56,7 +56,7 @@ class APocket : public ::testing::Test {
   /// Pairs of the roof's middle that press.
   size_t pressing(const ContactFinder& finder) const {
     size_t n = 0;
-    for (const HeldContact& h : finder.memory().pairs) n += inner(h.place) && h.judged && h.weight > 0.5;
+    for (const HeldContact& h : finder.memory().pairs) n += inner(h.place) && h.depth_tested && h.weight > 0.5;
     return n;
   }
 
@@ -67,20 +67,20 @@ class APocket : public ::testing::Test {
 };
 
 // The roof of a pocket is drawn over its floor, now pressed deeply, now lightly. Its places meet new tissue all the
-// time: that their pairs turn is no answer that jumps to and fro in one spot, and none may tire. (Here pairs are found
+// time: their pairs are projected anew, but not in one neighbourhood, and none may be damped. (Here pairs are found
 // anew since their weights have changed, not since they are stale: what they slid counts both times.)
-TEST_F(APocket, APlaceThatSlidesOnDoesNotTire) {
+TEST_F(APocket, APlaceThatSlidesOnIsNotDamped) {
   ContactFinder finder(surface, model());
   for (int step = 1; step <= 60; ++step) {
     const double slid_mm = 0.1 * step, deep_mm = step % 2 == 0 ? 0.3 : 1.3;  // their weights are far apart
     finder.follow(moved({slid_mm, 0, -deep_mm}), workers);
   }
-  int32_t turns = 0;
-  for (const ContactMemory::Spot& s : finder.memory().spots)
-    if (inner(s.place)) turns = std::max(turns, s.turns);
+  int32_t projections = 0;
+  for (const ContactMemory::Damping& d : finder.memory().damping)
+    if (inner(d.place)) projections = std::max(projections, d.projections);
   EXPECT_GT(pressing(finder), 20u);
-  EXPECT_LE(turns,
-            20);  // after 1 mm, ten of these steps, a place is fresh; a pair that stood meanwhile counts its way late
+  // After 1 mm, ten of these steps, a place is fresh; a pair that stood meanwhile counts its way late.
+  EXPECT_LE(projections, 20);
 }
 
 // The roof is thrown aside and comes down slowly over other tissue than it was cut from. What is near it was not near

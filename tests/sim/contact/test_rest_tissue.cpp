@@ -183,12 +183,12 @@ TEST_F(RestTissueOfAWound, OneCopyHasTheMaterialOfEachPlace) {
     const size_t c = carrying[size_t(random()) % carrying.size()];
     const Vec3 Q = tissue->rest_mm(c, Vec3(uniform(0.02, 0.98), uniform(0.02, 0.98), uniform(0.02, 0.98)));
     int material = 0, copies = 0;
-    bool near = false, silent = false;
+    bool near = false, empty = false;
     for (size_t o = 0; o < tissue->size(); ++o) {
       if (surface->lattice->cells[size_t(tissue->copy(o))].cell !=
           surface->lattice->cells[size_t(tissue->copy(c))].cell)
         continue;
-      silent |= tissue->is_empty(o);
+      empty |= tissue->is_empty(o);
       ++copies;
       const Vec3 at = (Q - tissue->low_mm(o)).cwiseQuotient(tissue->size_mm(o));
       const int32_t part = tissue->part(o, at);
@@ -198,7 +198,7 @@ TEST_F(RestTissueOfAWound, OneCopyHasTheMaterialOfEachPlace) {
       material += a.inside;
       for (size_t k = 0; k < a.count; ++k) near |= a.foot[k].distance_mm < 0.02;
     }
-    if (near || silent) continue;  // on a wall or the skin; where nobody knows
+    if (near || empty) continue;  // on a wall or the skin; where its material lies is not known
     ++asked, parted += copies > 1;
     EXPECT_EQ(material, int(std::lround(winding_number(shown.topology->view, rest, Q))))
         << Q.transpose() << " copies " << copies;

@@ -68,12 +68,12 @@ TEST(TissueState, EveryFieldOfSolverAndContactsIsHashed) {
       {}, {[](Contact& c) { c.place = 9; }, [](Contact& c) { c.sheet = 9; }, [](Contact& c) { c.triangle = 9; },
            [](Contact& c) { c.bary[2] = 9; }, [](Contact& c) { c.normal.x() = 9; }, [](Contact& c) { c.facet.x() = 9; },
            [](Contact& c) { c.apart_mm.x() = 9; }, [](Contact& c) { c.gap_mm = 9; }, [](Contact& c) { c.weight = 9; },
-           [](Contact& c) { c.judged = true; }});
-  using Spot = ContactMemory::Spot;
-  expect_all_seen<Spot>(
-      {}, {[](Spot& s) { s.place = 9; }, [](Spot& s) { s.turns = 9; }, [](Spot& s) { s.slid_mm.x() = 9; }});
+           [](Contact& c) { c.depth_tested = true; }});
+  using Damping = ContactMemory::Damping;
+  expect_all_seen<Damping>({}, {[](Damping& d) { d.place = 9; }, [](Damping& d) { d.projections = 9; },
+                                [](Damping& d) { d.slid_mm.x() = 9; }});
   expect_all_seen<ContactMemory>(
-      {}, {[](ContactMemory& m) { m.pairs.push_back({}); }, [](ContactMemory& m) { m.spots.push_back({}); }});
+      {}, {[](ContactMemory& m) { m.pairs.push_back({}); }, [](ContactMemory& m) { m.damping.push_back({}); }});
 }
 
 }  // namespace test_tissue_state
