@@ -1,14 +1,18 @@
-// What follows from the components after a cut that takes nothing away, in a lattice whose cells are not divided:
-// copies, links, nodes and sums of the version before with the changes around the touched cells put in. The result
-// is that of finish_topology to the last bit; only what cannot have changed is copied instead of found again.
+// What follows from the components at the cost of what has changed: after a cut that takes nothing away, and after a
+// division. The result is that of finish_topology to the last bit; only what cannot have changed is copied instead of
+// found again.
 //
 //   copies  every old copy has a part, the first of which keeps its number; others come after
-//   links   only through squares of touched cells, and not where both are whole still
-//   nodes   only at corners of cells that have come apart and of squares with
-//           other links: the cells around such a corner say which copies share it.
-//           Of the parts of a node the one with the lowest corner keeps its number
-//   pieces  none has come apart when the touched copies of each are still linked among themselves; else they are
-//           found again
+//   links   only through squares of cells that have changed, and not where both sides are whole still
+//   nodes   where no cell is divided: only at corners of cells that have come apart and of squares with other links.
+//           The cells around such a corner say which copies share it; of the parts of a node the one with the lowest
+//           corner keeps its number.
+//           Else number_nodes() for the corners of undivided cells in which a cell has come apart, has been divided or
+//           has other links. A node that hangs lies on a square of an undivided cell together with what it hangs on, so
+//           such cells close over what hangs; and all that can say who is one node with whom lies within two undivided
+//           cells of them
+//   pieces  none has come apart when the changed copies of each are still linked among themselves; else they are found
+//           again
 #include <algorithm>
 #include <utility>
 
@@ -20,51 +24,81 @@
 namespace limberg {
 namespace {
 
-/// `t` comes as a copy of the version before with the components
-/// of the touched cells found; only what differs is written.
+/// `t` comes as a copy of the version before with tree and components of now; only what differs is written.
 class LocalUpdate {
  public:
-  LocalUpdate(LatticeTopology& t, LevelBuilders& builders, const LatticeTopology& previous,
-              std::span<const int32_t> touched, std::span<const int32_t> place)
+  LocalUpdate(LatticeTopology& t, LevelBuilders& builders, const LatticeTopology& before,
+              std::span<const int32_t> touched, const NewParts& parts)
       : t_(t),
         builders_(builders),
-        before_(previous),
-        touched_(touched),
-        place_(place),
+        before_(before),
+        parts_(parts),
+        descent_(t, parts),
         cells_(t.cells),
-        components_(t.components) {
-    const Int3 n = t.grid.count;
-    stride_ = {1, n.x, n.x * n.y};
+        components_(t.components),
+        changed_set_(size_t(t.tree.ids())) {
+    for (int32_t c : touched)
+      if (!t.tree.is_divided(c)) changed_.push_back(c);
+    for (int32_t c = parts.known; c < t.tree.ids(); ++c)
+      if (!t.tree.is_divided(c)) changed_.push_back(c);
+    changed_set_.add_all(changed_);
   }
   bool possible() const;
-  void run() {
+  bool run() {
     number_copies();
     relink();
-    number_nodes();
+    if (!t_.tree.division.empty()) {
+      const NodeRegion near = region();
+      if (!limberg::number_nodes(t_, &before_, parts_, &near)) return false;
+    } else {
+      number_nodes();
+    }
     summarise();
+    return true;
   }
 
  private:
   void number_copies();
   void relink();
+  NodeRegion region() const;
   void number_nodes();
   void around(int32_t lattice_node);
   void set_node(int32_t copy, int8_t corner, int32_t node) {
     if (cells_[size_t(copy)].node[size_t(corner)] != node) t_.cells[size_t(copy)].node[size_t(corner)] = node;
   }
   void summarise();
+  int class_before(int32_t cell, int cls) const {
+    if (descent_.is_new(cell)) return descent_.class_before(cell, cls);
+    const auto& comp = components_[size_t(cell)];
+    return comp ? comp->classes[size_t(cls)].old_class : cls;
+  }
+  /// One copy as before. Between two such cells a link stays, or stays away: a cut takes no material from their square.
+  bool whole_still(int32_t cell) const {
+    return !descent_.is_new(cell) && t_.copies_of(cell) == 1 && before_.copies_of(cell) == 1;
+  }
+  int32_t grid_cell(int32_t cell) const {
+    while (t_.tree.is_part(cell)) cell = t_.tree.owner(cell);
+    return cell;
+  }
+  void add_leaves(int32_t cell, std::vector<int32_t>& out) const {
+    if (!t_.tree.is_divided(cell)) {
+      if (t_.copies_of(cell) > 0) out.push_back(cell);
+      return;
+    }
+    for (int k = 0; k < 8; ++k) add_leaves(t_.tree.part(cell, k), out);
+  }
 
   LatticeTopology& t_;
   LevelBuilders& builders_;
   const LatticeTopology& before_;
-  std::span<const int32_t> touched_;    // cells, ascending
-  std::span<const int32_t> place_;      // per cell: where in touched_, -1
+  const NewParts& parts_;
+  const Descent descent_;
   const SharedArray<CellCopy>& cells_;  // t_'s, for reading
   const SharedArray<std::shared_ptr<const CellComponents>>& components_;
-  std::array<int32_t, 3> stride_{};
-  bool one_class(int32_t cell) const { return t_.copies_of(cell) == 1 && before_.copies_of(cell) == 1; }
+  std::vector<int32_t> changed_;  // cells that are not divided, ascending: touched ones and new parts
+  NumberSet changed_set_;
+  std::vector<int32_t> apart_;        // cells with another number of copies than before, and new parts
   std::vector<int32_t> other_links_;  // squares (cell and axis) whose links are not those of before
-  std::vector<int32_t> apart_;        // cells with another number of copies than before
 
   // Around one lattice node: corners of copies, which of them are one, and the parts beyond the first of each old node.
   struct Corner {
@@ -84,76 +118,135 @@ class LocalUpdate {
 };
 
 bool LocalUpdate::possible() const {
-  if (!t_.tree.division.empty() || t_.front_levels != 0) return false;
-  std::vector<uint8_t> has_part;
-  for (int32_t c : touched_) {
-    const auto& now = components_[size_t(c)];
-    const auto& was = before_.components[size_t(c)];
-    if (!now && was) return false;
-    if (!now) continue;
-    has_part.assign(size_t(before_.copies_of(c)), 0);
-    for (const CellClass& k : now->classes) {
-      if (k.old_class < 0 || size_t(k.old_class) >= has_part.size()) return false;
-      has_part[size_t(k.old_class)] = 1;
+  NumberSet has_part(before_.cells.size()), asked(before_.components.size());
+  for (int32_t c : changed_) {
+    const int32_t was = descent_.cell_before(c);
+    asked.add(was);
+    if (!descent_.is_new(c) && !components_[size_t(c)] && before_.components[size_t(c)]) return false;
+    for (int k = 0; k < classes_in(t_, c); ++k) {
+      const int old = class_before(c, k);
+      if (old < 0 || old >= before_.copies_of(was)) return false;
+      has_part.add(before_.copy(was, old));
     }
-    for (uint8_t p : has_part)
-      if (!p) return false;
   }
+  for (int32_t c : asked.ascending())
+    for (int k = 0; k < before_.copies_of(c); ++k)
+      if (!has_part.has(before_.copy(c, k))) return false;
   return true;
 }
 
 void LocalUpdate::number_copies() {
   t_.cell_parent = ParentList::identity(before_.cells.size());
-  std::vector<uint8_t> taken;
+  t_.copies.resize(size_t(t_.tree.ids()));
+  NumberSet taken(before_.cells.size());
   std::vector<int32_t> list;
-  for (int32_t c : touched_) {
+  for (int32_t c : changed_) {
     const auto& comp = components_[size_t(c)];
-    if (!comp) continue;
-    taken.assign(size_t(before_.copies_of(c)), 0);
+    const int32_t was = descent_.cell_before(c);
     list.clear();
-    for (const CellClass& cls : comp->classes) {
-      const int32_t old = before_.copy(c, cls.old_class);
+    for (int k = 0; k < classes_in(t_, c); ++k) {
+      const int32_t old = before_.copy(was, class_before(c, k));
       int32_t id = old;
-      if (taken[size_t(cls.old_class)]) {
+      if (!taken.add(old)) {
         id = int32_t(cells_.size());
         t_.cells.push_back(before_.cells[size_t(old)]);
         t_.cell_parent.push_back(old);
       }
-      taken[size_t(cls.old_class)] = 1;
-      if (cells_[size_t(id)].fraction != cls.fraction) t_.cells[size_t(id)].fraction = cls.fraction;
+      CellCopy copy = cells_[size_t(id)];
+      const double fraction = comp ? comp->classes[size_t(k)].fraction : 1;
+      if (copy.cell != c || copy.fraction != fraction)
+        copy.cell = c, copy.fraction = fraction, t_.cells.set(size_t(id), copy);
       list.push_back(id);
     }
-    if (list.size() != taken.size()) apart_.push_back(c);
+    if (int32_t(list.size()) != before_.copies_of(was) || was != c) apart_.push_back(c);
     t_.copies.set(size_t(c), list);
   }
+  const SharedArray<CellTree::Division>& division = std::as_const(t_.tree.division);
+  for (size_t d = division.size() - parts_.whole.size(); d < division.size(); ++d)
+    t_.copies.set(size_t(division[d].cell), {});
 }
 
 void LocalUpdate::relink() {
-  std::vector<int32_t> squares;  // cell and axis, of which one side has come apart or came in parts before
-  const auto look_at = [&](int32_t cell, int axis) {
-    // Two whole cells that are joined stay so: a cut takes no material from their square.
-    if (!(one_class(cell) && one_class(cell + stride_[size_t(axis)]))) squares.push_back(3 * cell + axis);
-  };
-  for (int32_t c : touched_) {
-    const Int3 at = t_.grid.cell_at(c);
+  // Squares between a changed cell and another, by the cell on
+  // their low side; and all those of cells that are divided now.
+  const bool undivided = t_.tree.division.empty();  // then what lies beyond a square is found by its number
+  const std::array<int32_t, 3> stride{1, t_.grid.count.x, t_.grid.count.x * t_.grid.count.y};
+  std::vector<int32_t> squares, beyond;
+  for (int32_t c : changed_) {
+    if (t_.copies_of(c) == 0) continue;
+    const Int3 at = undivided ? t_.grid.cell_at(c) : Int3{};
     for (int axis = 0; axis < 3; ++axis) {
-      if (at[axis] + 1 < t_.grid.count[axis]) look_at(c, axis);
-      const int32_t below = c - stride_[size_t(axis)];
-      if (at[axis] > 0 && place_[size_t(below)] < 0) look_at(below, axis);
+      const int32_t step = stride[size_t(axis)];
+      if (undivided) {
+        const bool whole = whole_still(c);
+        if (at[axis] + 1 < t_.grid.count[axis] && !(whole && whole_still(c + step))) squares.push_back(3 * c + axis);
+        if (at[axis] > 0 && !(whole && whole_still(c - step))) squares.push_back(3 * (c - step) + axis);
+        continue;
+      }
+      squares.push_back(3 * c + axis);
+      cells_beyond(t_, c, axis, beyond, false);
+      for (int32_t below : beyond) squares.push_back(3 * below + axis);
     }
   }
+  const SharedArray<CellTree::Division>& division = std::as_const(t_.tree.division);
+  for (size_t d = division.size() - parts_.whole.size(); d < division.size(); ++d)
+    for (int axis = 0; axis < 3; ++axis) squares.push_back(3 * division[d].cell + axis);
   std::sort(squares.begin(), squares.end());
-  std::vector<Link> fresh, changed;
+  squares.erase(std::unique(squares.begin(), squares.end()), squares.end());
+  std::vector<Link> fresh, links;
   for (int32_t s : squares) {
     fresh.clear();
-    find_links(t_, builders_, s / 3, s % 3, s / 3 + stride_[size_t(s % 3)], fresh);
-    std::sort(fresh.begin(), fresh.end());
+    const int32_t cell = s / 3;
     const std::span<const Link> was = before_.links.of(s);
+    if (!t_.tree.is_divided(cell) && t_.copies_of(cell) > 0) {
+      if (undivided)
+        beyond.assign(1, cell + stride[size_t(s % 3)]);
+      else
+        cells_beyond(t_, cell, s % 3, beyond);
+      if (whole_still(cell) && std::all_of(beyond.begin(), beyond.end(), [&](int32_t c) { return whole_still(c); }))
+        continue;
+      for (int32_t next : beyond)
+        if (changed_set_.has(cell) || changed_set_.has(next)) find_links(t_, builders_, cell, s % 3, next, fresh);
+      // What has not changed on either side stays.
+      if (!changed_set_.has(cell))
+        for (const Link& l : was)
+          if (!changed_set_.has(l.next) && !t_.tree.is_divided(l.next)) fresh.push_back(l);
+      std::sort(fresh.begin(), fresh.end());
+    }
     if (std::equal(was.begin(), was.end(), fresh.begin(), fresh.end())) continue;
     other_links_.push_back(s);
-    changed.insert(changed.end(), fresh.begin(), fresh.end());
+    links.insert(links.end(), fresh.begin(), fresh.end());
   }
-  t_.links.replace(other_links_, changed);
+  t_.links.replace(other_links_, links);
+}
+
+NodeRegion LocalUpdate::region() const {
+  NodeRegion r{{}, {}, NumberSet(size_t(t_.tree.grid_cells))};
+  for (int32_t c : apart_) r.changed.add(grid_cell(c));
+  for (int32_t s : other_links_) {
+    r.changed.add(grid_cell(s / 3));
+    for (const Link& l : before_.links.of(s)) r.changed.add(grid_cell(l.next));
+    for (const Link& l : t_.links.of(s)) r.changed.add(grid_cell(l.next));
+  }
+  NumberSet near(size_t(t_.tree.grid_cells));
+  for (int32_t c : r.changed.ascending()) {
+    const Int3 at = t_.grid.cell_at(c);
+    for (int dz = -2; dz <= 2; ++dz)
+      for (int dy = -2; dy <= 2; ++dy)
+        for (int dx = -2; dx <= 2; ++dx) {
+          const Int3 n{at.x + dx, at.y + dy, at.z + dz};
+          if (n.x < 0 || n.y < 0 || n.z < 0 || n.x >= t_.grid.count.x || n.y >= t_.grid.count.y ||
+              n.z >= t_.grid.count.z)
+            continue;
+          near.add(t_.grid.cell_index(n));
+        }
+  }
+  for (int32_t c : near.ascending()) add_leaves(c, r.cells);
+  std::sort(r.cells.begin(), r.cells.end());
+  for (int32_t c : r.cells)
+    for (int k = 0; k < t_.copies_of(c); ++k) r.copies.push_back(t_.copy(c, k));
+  std::sort(r.copies.begin(), r.copies.end());
+  return r;
 }
 
 void LocalUpdate::around(int32_t lattice_node) {
@@ -256,19 +349,26 @@ void LocalUpdate::number_nodes() {
 }
 
 void LocalUpdate::summarise() {
-  if (!pieces_stay(t_, before_.pieces, touched_, place_)) return limberg::summarise(t_);
-  for (int32_t c : touched_) {
-    for (int k = 0; k < before_.copies_of(c); ++k) {
-      const CellCopy& was = before_.cells[size_t(before_.copy(c, k))];
-      t_.piece_sum[size_t(was.piece)] -= exact_share(was.fraction, 0);
-    }
+  std::vector<int32_t> place(size_t(t_.tree.ids()), -1);
+  for (size_t i = 0; i < changed_.size(); ++i) place[size_t(changed_[i])] = int32_t(i);
+  if (!pieces_stay(t_, before_.pieces, changed_, place)) return limberg::summarise(t_);
+  NumberSet before(before_.components.size());
+  for (int32_t c : changed_) {
+    before.add(descent_.cell_before(c));
+    const int level = t_.tree.level(c);
     for (int k = 0; k < t_.copies_of(c); ++k) {
       const CellCopy& now = cells_[size_t(t_.copy(c, k))];
-      t_.piece_sum[size_t(now.piece)] += exact_share(now.fraction, 0);
+      t_.piece_sum[size_t(now.piece)] += exact_share(now.fraction, level);
+    }
+    if (const auto& now = components_[size_t(c)]) t_.walks += now->walks, t_.walks_unresolved += now->walks_unresolved;
+  }
+  for (int32_t c : before.ascending()) {
+    for (int k = 0; k < before_.copies_of(c); ++k) {
+      const CellCopy& was = before_.cells[size_t(before_.copy(c, k))];
+      t_.piece_sum[size_t(was.piece)] -= exact_share(was.fraction, before_.tree.level(c));
     }
     if (const auto& was = before_.components[size_t(c)])
       t_.walks -= was->walks, t_.walks_unresolved -= was->walks_unresolved;
-    if (const auto& now = components_[size_t(c)]) t_.walks += now->walks, t_.walks_unresolved += now->walks_unresolved;
   }
   volumes_from_sums(t_);
 }
@@ -276,11 +376,9 @@ void LocalUpdate::summarise() {
 }  // namespace
 
 bool finish_locally(LatticeTopology& topology, LevelBuilders& builders, const LatticeTopology& previous,
-                    std::span<const int32_t> touched, std::span<const int32_t> place) {
-  LocalUpdate update(topology, builders, previous, touched, place);
-  if (!update.possible()) return false;
-  update.run();
-  return true;
+                    std::span<const int32_t> touched, const NewParts& parts) {
+  LocalUpdate update(topology, builders, previous, touched, parts);
+  return update.possible() && update.run();
 }
 
 }  // namespace limberg

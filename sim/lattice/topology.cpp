@@ -115,7 +115,7 @@ std::shared_ptr<const LatticeTopology> with_divided_fronts(std::shared_ptr<const
   parts.known = t->tree.ids();
   divide_fronts(*t, builders, std::move(candidates), {}, parts);
   if (parts.empty()) return before;
-  if (!locally || !finish_fronts_locally(*t, builders, *before, {}, parts))
+  if (!locally || !finish_locally(*t, builders, *before, {}, parts))
     finish_topology(*t, builders, before.get(), marks_of(*t, {}, parts), parts);
   skip_parents(*before, *t);
   return t;
@@ -350,37 +350,23 @@ std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& pr
   find_components(*t, previous, surface, touched, candidates_of, layers_of_new, !taken_away, workers);
   t->touched_cells = int(touched.size());
 
-  const auto marks_with = [&](std::vector<int32_t>& changed) {
-    std::vector<uint8_t> marks(previous.components.size(), 0);
-    for (int32_t c : touched) marks[size_t(c)] = 1;
-    for (size_t c = 0; taken_away && c < marks.size(); ++c) {  // full cells that are empty now
+  NewParts parts;
+  parts.known = previous.tree.ids();
+  std::vector<uint8_t> marks = marks_of(*t, touched, parts);
+  if (taken_away) {  // what is left names its parents first, and is divided then
+    std::vector<int32_t> changed = touched;
+    for (size_t c = 0; c < marks.size(); ++c) {  // full cells that are empty now
       if (previous.components[c] || marks[c] || tree.is_divided(int32_t(c))) continue;
       if (previous.corners_in_material(int32_t(c)) != t->corners_in_material(int32_t(c)))
         marks[c] = 1, changed.push_back(int32_t(c));
     }
-    return marks;
-  };
-  if (taken_away) {  // what is left names its parents first, and is divided then
-    std::vector<int32_t> changed = touched;
-    finish_topology(*t, builders, &previous, marks_with(changed), {previous.tree.ids(), {}});
+    finish_topology(*t, builders, &previous, marks, parts);
     if (divide == Divide::nothing) return t;
     std::sort(changed.begin(), changed.end());
     return with_divided_fronts(t, builders, std::move(changed), locally);
   }
-  if (t->front_levels == 0) {
-    std::vector<int32_t> changed;
-    if (!locally || !finish_locally(*t, builders, previous, touched, place))
-      finish_topology(*t, builders, &previous, marks_with(changed), {previous.tree.ids(), {}});
-    return t;
-  }
-  NewParts parts;
-  parts.known = previous.tree.ids();
-  if (divide == Divide::fronts) {
-    std::vector<uint8_t> named(previous.components.size(), 0);
-    for (int32_t c : touched) named[size_t(c)] = 1;
-    divide_fronts(*t, builders, touched, named, parts);
-  }
-  if (!locally || !finish_fronts_locally(*t, builders, previous, touched, parts))
+  if (t->front_levels > 0 && divide == Divide::fronts) divide_fronts(*t, builders, touched, marks, parts);
+  if (!locally || !finish_locally(*t, builders, previous, touched, parts))
     finish_topology(*t, builders, &previous, marks_of(*t, touched, parts), parts);
   return t;
 }

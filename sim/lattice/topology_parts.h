@@ -123,16 +123,11 @@ bool pieces_stay(const LatticeTopology& topology, int32_t pieces_before, std::sp
 int128 exact_share(double fraction, int level);     // of an undivided cell, times 2^60
 void volumes_from_sums(LatticeTopology& topology);  // of the pieces, from piece_sum
 
-/// finish_topology at the cost of what the cut has changed (local_update.cpp). False,
-/// and nothing done, when it took something away, or when cells can be divided.
-/// `touched`: cells, ascending; `place`: per cell, where among them (-1: it is not).
+/// finish_topology at the cost of what has changed (local_update.cpp), after a cut that took nothing away, and after a
+/// division. `topology` comes as a copy of `previous` with tree and components of now; on false it is to be finished as
+/// a whole. `touched`: cells, ascending.
 bool finish_locally(LatticeTopology& topology, LevelBuilders& builders, const LatticeTopology& previous,
-                    std::span<const int32_t> touched, std::span<const int32_t> place);
-
-/// The same where cells can be divided (local_fronts.cpp): after a cut, and after a division. `topology` comes as a
-/// copy of `previous` with tree and components of now; on false it is to be finished as a whole.
-bool finish_fronts_locally(LatticeTopology& topology, LevelBuilders& builders, const LatticeTopology& previous,
-                           std::span<const int32_t> touched, const NewParts& parts);
+                    std::span<const int32_t> touched, const NewParts& parts);
 
 /// update_topology; `locally` false: by finish_topology whatever has changed, for tests.
 std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& previous, const MaterialSurface& surface,
