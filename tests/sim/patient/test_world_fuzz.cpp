@@ -51,9 +51,8 @@ TEST(WorldFuzz, ASlice) {
   const fuzz::WorldCounts& c = r.counts;
   std::printf("%lld acts, %lld done, %lld cuts, %lld refused, %lld undone, %lld redone\n", (long long)c.acts,
               (long long)c.done, (long long)c.cuts, (long long)c.refused, (long long)c.undone, (long long)c.redone);
-  for (const std::string& why : r.defects) std::printf("refused inside: %s\n", why.c_str());
+  for (const std::string& why : r.defects) ADD_FAILURE() << "refused since something inside failed: " << why;
   EXPECT_GT(c.cuts, s.acts / 5);
-  EXPECT_LE(c.defects, 1 + s.acts / 200);
 }
 
 TEST(WorldFuzz, CasesGoThroughTextUnchanged) {
