@@ -89,7 +89,7 @@ std::function<void()> guarded(Control& c, const char* thread, F body) {
 /// The threads of a session. Whatever happens, they are told to end before somebody waits for them.
 struct Crew {
   Control& control;
-  std::optional<Thread> solver, render, device;
+  std::optional<ScheduledThread> solver, render, device;
   explicit Crew(Control& c) : control(c) {}
   ~Crew() {
     control.end();
@@ -240,7 +240,7 @@ void render_thread(Control& c, RenderLane& lane, SessionFigures& out, const Sess
 
 /// The calling thread while the session runs: writes the recording, hears the window, looks out for the end.
 void drive(Control& c, const SessionLanes& lanes, SessionFigures& out, const SessionSettings& set, int64_t start_ns,
-           bool real_time, Thread& device_thread) {
+           bool real_time, ScheduledThread& device_thread) {
   Recorder* const recorder = lanes.recorder;
   const RealClock clock(start_ns);
   bool warned = false, told = !real_time;

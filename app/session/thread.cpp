@@ -28,7 +28,7 @@ bool memory_lock_allowed() {
 
 }  // namespace
 
-Thread::Thread(std::function<void()> body) {
+ScheduledThread::ScheduledThread(std::function<void()> body) {
   pthread_attr_t attr;
   pthread_attr_init(&attr);
   const sched_param normal{};
@@ -43,7 +43,7 @@ Thread::Thread(std::function<void()> body) {
   joinable_ = true;
 }
 
-void Thread::join() {
+void ScheduledThread::join() {
   if (joinable_) pthread_join(id_, nullptr);
   joinable_ = false;
 }

@@ -9,12 +9,12 @@
 namespace limberg {
 
 /// Runs `body` at SCHED_OTHER on a new thread, joined by the destructor.
-class Thread {
+class ScheduledThread {
  public:
-  explicit Thread(std::function<void()> body);
-  ~Thread() { join(); }
-  Thread(const Thread&) = delete;
-  Thread& operator=(const Thread&) = delete;
+  explicit ScheduledThread(std::function<void()> body);
+  ~ScheduledThread() { join(); }
+  ScheduledThread(const ScheduledThread&) = delete;
+  ScheduledThread& operator=(const ScheduledThread&) = delete;
   void join();
 
  private:

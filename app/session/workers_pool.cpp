@@ -87,7 +87,7 @@ struct WorkersPool::Impl {
 
   std::atomic<uint32_t> bell{0};  // rung when there is something to do
   std::atomic<bool> stop{false};
-  std::vector<std::unique_ptr<Thread>> helpers;
+  std::vector<std::unique_ptr<ScheduledThread>> helpers;
 
   void ring() {
     bell.fetch_add(1);
@@ -132,7 +132,8 @@ struct WorkersPool::Impl {
 
 WorkersPool::WorkersPool(int n) : impl_(std::make_unique<Impl>()), n_(n) {
   if (n < 1) throw std::invalid_argument("a pool needs at least one worker");
-  for (int i = 1; i < n; ++i) impl_->helpers.push_back(std::make_unique<Thread>([p = impl_.get()] { p->help(); }));
+  for (int i = 1; i < n; ++i)
+    impl_->helpers.push_back(std::make_unique<ScheduledThread>([p = impl_.get()] { p->help(); }));
 }
 
 WorkersPool::~WorkersPool() {

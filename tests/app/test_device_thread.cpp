@@ -95,7 +95,7 @@ TEST(DeviceThread, TakesNoMemoryNoLockAndWritesNothingWhileThePatientIsCut) {
   DeviceLane lane(front, *channels, true);
   uint64_t memory_taken = 0, memory_freed = 0, locks = 0, writes = 0, counted = 0, topologies = 0, seen = 0;
   {
-    const Thread device([&] {
+    const ScheduledThread device([&] {
       const RealClock clock(start);
       constexpr int64_t kWarm = 200, kTicks = 3500;
       for (int64_t tick = 1; tick < kTicks; ++tick) {

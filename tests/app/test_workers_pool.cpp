@@ -112,11 +112,11 @@ TEST(WorkersPool, ErrorsReachWhoeverWaits) {
 
 TEST(Thread, NeverInheritsRealTimeScheduling) {
   int child = -1, creator = -1;
-  Thread outer([&] {
+  ScheduledThread outer([&] {
     request_real_time(5);  // may be refused: then there is nothing to inherit
     sched_param p;
     pthread_getschedparam(pthread_self(), &creator, &p);
-    Thread inner([&] {
+    ScheduledThread inner([&] {
       sched_param q;
       pthread_getschedparam(pthread_self(), &child, &q);
     });

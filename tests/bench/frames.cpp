@@ -60,7 +60,7 @@ class ChosenWorkers final : public Workers {
 class Painter {
  public:
   Painter(const Scene& scene, const Snapshot& first, DrawingShare& share) : share_(share), shown_(first) {
-    thread_ = std::make_unique<Thread>([this, camera = scene_camera(scene)] {
+    thread_ = std::make_unique<ScheduledThread>([this, camera = scene_camera(scene)] {
       be_nice(5);
       Renderer renderer(make_offscreen_context(0));
       SceneBuilder builder;
@@ -99,7 +99,7 @@ class Painter {
   Snapshot shown_;
   std::atomic<bool> stop_{false}, paint_{false};
   std::atomic<int> frames_{0}, level_{kFastLevel};
-  std::unique_ptr<Thread> thread_;  // last: joined before what it uses goes
+  std::unique_ptr<ScheduledThread> thread_;  // last: joined before what it uses goes
 };
 
 struct Loss {

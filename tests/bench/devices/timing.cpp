@@ -81,7 +81,7 @@ BufferFigures buffer_trial(int64_t writes) {
   std::atomic<bool> stop{false};
   std::atomic<uint64_t> torn{0};
   {
-    const Thread reader([&] {
+    const ScheduledThread reader([&] {
       while (!stop.load(std::memory_order_relaxed)) torn.fetch_add(b->read(0), std::memory_order_relaxed);
     });
     for (int64_t i = 0; i < writes; ++i) {
@@ -102,12 +102,12 @@ InversionFigures inversion_trial(double seconds) {
   auto b = std::make_unique<B>();
   const Hogs hogs(2);
   std::atomic<bool> stop{false};
-  const Thread reader([&] {
+  const ScheduledThread reader([&] {
     constexpr uint64_t kHoldNs = 20'000;
     while (!stop.load(std::memory_order_relaxed)) b->read(kHoldNs);
   });
   {
-    const Thread writer([&] {
+    const ScheduledThread writer([&] {
       be_fifo(60);
       const RealClock clock(RealClock::monotonic_ns());
       for (int64_t tick = 1; double(tick) * 1e-3 < seconds; ++tick) {
@@ -129,7 +129,7 @@ WakeFigures wake_trial(double seconds, bool fifo, int hog_count) {
   WakeFigures f;
   const Hogs hogs(hog_count);
   {
-    const Thread loop([&] {
+    const ScheduledThread loop([&] {
       request_exact_timers();
       const bool got = fifo && be_fifo(80);
       f.settings = std::string(got    ? "SCHED_FIFO 80"
@@ -156,7 +156,7 @@ std::vector<BufferFigures> buffer_trials(int64_t writes) {
 std::vector<InversionFigures> inversion_trials(double seconds) {
   bool allowed = false;
   {
-    const Thread t([&] { allowed = be_fifo(60); });
+    const ScheduledThread t([&] { allowed = be_fifo(60); });
   }
   if (!allowed) return {};
   return {inversion_trial<Triple>(seconds), inversion_trial<Mutex>(seconds)};
