@@ -100,8 +100,7 @@ class Arrangement {
   /// Empty when every invariant holds everywhere; else the first violation. O(N), for tests and for finding defects.
   std::string check_all() const;
 
-  ArrangementStore& store() { return *store_; }  // for the parts of this library
-  const ArrangementStore& store() const { return *store_; }
+  const ArrangementStore& store() const { return *store_; }  // to read: store.h
   /// Lets steps of later operations fail as planned (fault.h); null: none does. For tests.
   void set_fault(FaultPlan* plan);
 

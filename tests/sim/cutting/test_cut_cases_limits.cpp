@@ -32,7 +32,7 @@ CUT_CASE(C38_undo_and_redo, wavy_case_slab()) {
 TEST(CutCases, C40_two_hundred_cuts) {
   Arrangement a(wavy_slab(120, 12, 40, 0.8), grid());
   FaultPlan count;
-  a.store().points.fault = &count;
+  a.set_fault(&count);
   std::vector<double> work;
   uint64_t r = 7;
   const auto real = [&](double lo, double hi) {
@@ -47,7 +47,7 @@ TEST(CutCases, C40_two_hundred_cuts) {
     ASSERT_NE(c.status, CutResult::refused) << c.reason;
     if (c.ok()) work.push_back(double(count.calls) / double(c.tries));
   }
-  a.store().points.fault = nullptr;
+  a.set_fault(nullptr);
   EXPECT_EQ(a.check_all(), "");
   double first = 0, last = 0;
   for (size_t i = 0; i < 20; ++i) first += work[i], last += work[180 + i];

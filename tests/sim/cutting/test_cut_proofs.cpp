@@ -111,7 +111,7 @@ TEST(Proof, EverySignAndVolumeAgainstRationals) {
     fuzz::Runner r(c, {0, false, false});
     Arrangement a(fuzz::make_body(c.body), grid());
     const std::vector<Rational> before = volumes6(a);
-    a.store().points.fault = &plan;
+    a.set_fault(&plan);
     int made = 0;
     for (int32_t i = 0; i < 60 && made < 8; ++i) {
       const fuzz::Op op = g.next(r, i);
@@ -138,7 +138,7 @@ TEST(Proof, EverySignAndVolumeAgainstRationals) {
       for (size_t k = 0; k < 3; ++k)
         EXPECT_LT(std::abs((place(a.point(p))[k] - Rational((*a.point(p).approx)[int(k)])).convert_to<double>()),
                   2 * kApproximationError);
-    a.store().points.fault = nullptr;
+    a.set_fault(nullptr);
   }
   EXPECT_EQ(check.wrong, 0);
   EXPECT_GT(check.signs, 10000);
