@@ -31,6 +31,8 @@ void pause_cpu() {
 #endif
 }
 
+}  // namespace
+
 class PoolJob final : public Workers::Job {
  public:
   explicit PoolJob(std::function<void()> f) : f_(std::move(f)) {}
@@ -60,8 +62,6 @@ class PoolJob final : public Workers::Job {
   std::exception_ptr error_;
   std::atomic<int> state_{kWaiting};
 };
-
-}  // namespace
 
 // The loop in progress is described by plain members. They are written only while no helper is inside: `open` is closed
 // first, then the caller waits for `inside` to fall to zero. A helper counts itself in before it looks at `open`, so

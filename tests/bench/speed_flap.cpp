@@ -108,9 +108,9 @@ struct Steps {
   int to_1 = -1, to_01 = -1;  // percent of the pull's 10 mm and 1 mm: 1 and 0.1 mm at full pull
 };
 
-Steps steps(const std::shared_ptr<const FemModel>& model, double pull, int pairs) {
+Steps steps(const std::shared_ptr<const FemModel>& model, double pulled_mm, int pairs) {
   InlineWorkers workers;
-  const std::vector<Spring> hook{lip_hook(*model, pull)};
+  const std::vector<Spring> hook{lip_hook(*model, pulled_mm)};
   std::vector<Vec3f> exact;
   std::vector<double> error;
   for (const bool reference : {true, false}) {
@@ -125,7 +125,7 @@ Steps steps(const std::shared_ptr<const FemModel>& model, double pull, int pairs
       exact.assign(s.displacement_mm().begin(), s.displacement_mm().end());
       continue;
     }
-    for (int k = 0; k < 300 && (k == 0 || error.back() > 0.03 * pull); ++k) {
+    for (int k = 0; k < 300 && (k == 0 || error.back() > 0.03 * pulled_mm); ++k) {
       s.step(set);
       double e = 0;
       for (size_t i = 0; i < exact.size(); ++i) e = std::max(e, double((s.displacement_mm()[i] - exact[i]).norm()));
@@ -133,8 +133,8 @@ Steps steps(const std::shared_ptr<const FemModel>& model, double pull, int pairs
     }
   }
   Steps out;
-  for (int k = int(error.size()); k-- > 0 && error[size_t(k)] <= 1.0 * pull;) out.to_1 = k + 1;
-  for (int k = int(error.size()); k-- > 0 && error[size_t(k)] <= 0.1 * pull;) out.to_01 = k + 1;
+  for (int k = int(error.size()); k-- > 0 && error[size_t(k)] <= 1.0 * pulled_mm;) out.to_1 = k + 1;
+  for (int k = int(error.size()); k-- > 0 && error[size_t(k)] <= 0.1 * pulled_mm;) out.to_01 = k + 1;
   return out;
 }
 

@@ -19,7 +19,9 @@ TEST(FuzzEntries, TakeTheirSoundInputs) {
       bool taken = false;
       EXPECT_EQ(e.run(s, taken), "") << e.name;
       // The third series is run length encoded: read where GDCM is built in, refused in words elsewhere.
-      if (e.name != "DICOM_2") EXPECT_TRUE(taken) << e.name;
+      if (e.name != "DICOM_2") {
+        EXPECT_TRUE(taken) << e.name;
+      }
     }
   }
   EXPECT_GT(names.size(), 25u);
@@ -40,7 +42,9 @@ TEST(FuzzEntries, SurviveWhatIsCutOffOrHit) {
         refused += !taken;
       }
     // Of a damaged recording what is whole is kept: nothing is refused as long as its beginning is there.
-    if (e.name != "recording") EXPECT_GT(refused, 0) << e.name << " takes everything";
+    if (e.name != "recording") {
+      EXPECT_GT(refused, 0) << e.name << " takes everything";
+    }
   }
 }
 

@@ -38,7 +38,7 @@ Snapshot sample_snapshot(const SampleOptions& o) {
   const auto quad = [&](int32_t a, int32_t b, int32_t c, int32_t d, FaceKind kind) {
     for (const Tri& t : {Tri{a, b, c}, Tri{a, c, d}}) {
       view.tri.push_back(t);
-      view.uv.push_back({});
+      view.uv.push_back({Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero()});
       view.kind.push_back(kind);
       view.sided_face.push_back(int32_t(view.tri.size()));
       view.origin.push_back(0);
