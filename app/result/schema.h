@@ -172,7 +172,7 @@ void fields(ResultError& x, F&& f) {
   f("asymptotic", x.asymptotic), f("says", x.says);
 }
 
-/// bars of a study or a bench: what is asked, and what came of it. A value that is not there is not a number.
+/// bars of a study or a bench: the limit and the value. A value that is not there is not a number.
 struct Bar {
   std::string name;
   double value = std::numeric_limits<double>::quiet_NaN();

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "sim/base/hash.h"
 #include "sim/cutting/arrangement/tri_tests.h"
 #include "sim/cutting/strokes/blade_parts.h"
 #include "sim/cutting/strokes/stroke.h"
+#include "sim/geometry/blade_angle.h"
 
 namespace limberg {
 
@@ -48,10 +48,7 @@ void DrawnIncision::start_at(const Start& s) {
 
 double DrawnIncision::left_mm() const { return finished_ ? 0 : path_length(path_) - (committed_ > 0 ? last_arc_ : 0); }
 
-double DrawnIncision::lean() const {
-  const double angle = angle_deg_ * std::numbers::pi / 180;
-  return std::cos(angle) / std::sin(angle);
-}
+double DrawnIncision::lean() const { return blade_lean(angle_deg_); }
 
 /// Columns on every corner of the path and between, equally far apart on a segment, at most kSpacing.
 /// A column depends on what lies before it and less than a hold after it. `corner_arc`: corners at which the blade
@@ -63,7 +60,7 @@ std::vector<DrawnIncision::Place> DrawnIncision::places(std::span<const Vec2> pa
   for (size_t i = 1; i < path.size(); ++i) {
     const Vec2 d = path[i] - path[i - 1];
     const double length = d.norm();
-    const int quads = std::max(1, int(std::ceil(length / kSpacing - 1e-9)));
+    const int quads = equal_parts(length, kSpacing);
     for (int k = 1; k < quads; ++k) out.push_back({path[i - 1] + d * (double(k) / quads), arc + length * k / quads, 1});
     arc += length;
     way += length;
@@ -79,7 +76,7 @@ std::vector<DrawnIncision::Place> DrawnIncision::places(std::span<const Vec2> pa
     const double sine = a.x() * b.y() - a.y() * b.x(), cosine = a.dot(b);  // sine > 0: to the left
     const double inside = sine * lean() < 0 ? depth_ + 2 * kWallExtra : 1.1 * kMargin;
     const double back = std::abs(sine) / std::max(1 + cosine, 0.1) * std::abs(lean()) * inside;
-    const double last = length / quads, next = e.norm() / std::max(1.0, std::ceil(e.norm() / kSpacing - 1e-9));
+    const double last = length / quads, next = e.norm() / equal_parts(e.norm(), kSpacing);
     // On a curve it runs back at both ends of one quad.
     const bool folds = quads == 1 && back + back_before > length;
     if (folds || back > kFold * std::min(last, next)) corner_arc.push_back(arc);

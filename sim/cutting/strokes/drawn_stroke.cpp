@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "sim/cutting/arrangement/store.h"
 #include "sim/cutting/arrangement/tri_tests.h"
@@ -69,8 +68,7 @@ std::string DrawnStroke::draw(const BladeContext& c, std::span<const ChartPoint>
 DrawnStroke::Stretch DrawnStroke::stretch(const BladeContext& c, const WallMap& walls, bool last) const {
   const double length = length_mm();
   if (walls.empty()) return {length, last};
-  const double angle = angle_deg_ * std::numbers::pi / 180;
-  const AlongSamples s = samples_along(c, walls, path_, std::cos(angle) / std::sin(angle), depth_);
+  const AlongSamples s = samples_along(c, walls, path_, blade_lean(angle_deg_), depth_);
   const size_t n = s.along.size();
   const double settled = last ? length : length - kSettled;
   size_t i = std::min(n - 1, size_t(std::ceil(from_ / kStep - 1e-9)));

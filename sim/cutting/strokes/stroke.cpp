@@ -60,12 +60,14 @@ std::optional<Vec2> meets_itself(std::span<const Vec2> path, bool closed) {
   return std::nullopt;
 }
 
+int equal_parts(double length, double spacing) { return std::max(1, int(std::ceil(length / spacing - 1e-9))); }
+
 std::vector<Vec2> resample(std::span<const Vec2> path, double spacing, bool closed) {
   std::vector<Vec2> out;
   const size_t n = path.size(), segments = closed ? n : n - 1;
   for (size_t i = 0; i < segments; ++i) {
     const Vec2 &a = path[i], &b = path[(i + 1) % n];
-    const int parts = std::max(1, int(std::ceil((b - a).norm() / spacing - 1e-9)));
+    const int parts = equal_parts((b - a).norm(), spacing);
     for (int k = 0; k < parts; ++k) out.push_back(a + (b - a) * (double(k) / parts));
   }
   if (!closed) out.push_back(path.back());

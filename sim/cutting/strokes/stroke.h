@@ -26,6 +26,9 @@ Vec2 heading_at_start(std::span<const Vec2> path, double over);
 /// Where a polyline (or, when closed, a polygon) first meets itself other than at joints; nothing when it does not.
 std::optional<Vec2> meets_itself(std::span<const Vec2> path, bool closed);
 
+/// Into how many equal parts of at most `spacing` a length is divided.
+int equal_parts(double length, double spacing);
+
 /// Divides every segment into equal parts of at most `spacing`; a closed path gets no repeated end.
 std::vector<Vec2> resample(std::span<const Vec2> path, double spacing, bool closed);
 
