@@ -123,14 +123,18 @@ Acted<TissueChange> SoftTissue::finish(TissueCut& cut) {
 
 // ---- an incision that opens while it is drawn ----
 
-void SoftTissue::stop_stroke(const std::string& why) {
+void SoftTissue::stop_stroke(std::string_view why) noexcept {
   if (!stroke_) return;
   stopped_stroke_ = stroke_->id;
-  why_stopped_ = why;
+  try {
+    why_stopped_ = why;
+  } catch (const std::bad_alloc&) {
+    why_stopped_.clear();
+  }
   stroke_.reset();
 }
 
-void SoftTissue::another_act() {
+void SoftTissue::another_act() noexcept {
   if (stroke_ && stroke_->cut) stop_stroke("another act came between");
 }
 
@@ -148,7 +152,6 @@ Acted<TissueChange> SoftTissue::cut(const InciseMore& c) {
     return {false, why};
   }
   Acted<TissueChange> made = cut_on(c.last);
-  if (made.done && c.last && !stroke_->cut) made = {false, "nothing of the stroke lies on uncut skin"};
   if (!made.done) stop_stroke(made.reason);
   if (c.last) {
     stroke_.reset();
@@ -162,6 +165,7 @@ Acted<TissueChange> SoftTissue::cut_on(bool last) {
   const CutResult result =
       stroke_->drawn.cut(tissue_.blade_context(), last, [&](const Blade& blade) { return cut.cut(blade, seed()); });
   if (result.status == CutResult::refused) return refusal(result);
+  if (cut.empty() && last && !stroke_->cut) return {false, result.reason};
   if (cut.empty()) return {true, {}};
   Acted<TissueChange> made = finish(cut);
   if (!made.done) return made;

@@ -15,6 +15,12 @@ class History {
   Entry& last() { return done_.back(); }
   Entry& last_undone() { return undone_.back(); }
 
+  /// Room for one more: the next push, or way back or forth, cannot fail.
+  void make_room() {
+    const size_t all = done_.size() + undone_.size() + 1;
+    for (std::vector<Entry>* v : {&done_, &undone_})
+      if (v->capacity() < all) v->reserve(2 * all);
+  }
   void push(Entry entry) {
     done_.push_back(std::move(entry));
     undone_.clear();

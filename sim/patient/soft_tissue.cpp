@@ -11,9 +11,11 @@ constexpr double kRest = 1e-3;  // relative residual of a state whose forces cou
 
 }  // namespace
 
-void TissueChange::append(TissueChange later) {
+void TissueChange::append(TissueChange& later) {
+  ParentList both = later.ancestor.through(ancestor);
+  steps.reserve(steps.size() + later.steps.size());
   std::move(later.steps.begin(), later.steps.end(), std::back_inserter(steps));
-  ancestor = later.ancestor.through(ancestor);
+  ancestor = std::move(both);
 }
 
 SoftTissue::SoftTissue(WorldSpec spec, Workers& workers) : tissue_(std::move(spec), workers) {
@@ -33,9 +35,6 @@ Acted<TissueChange> SoftTissue::act(const Command& command) {
   };
   try {
     return carry_out_act(command);
-  } catch (const std::bad_alloc& e) {
-    roll_back();
-    return {false, std::string("the act failed inside (") + e.what() + "); nothing has changed"};
   } catch (const InputError& e) {
     roll_back();
     return {false, std::string("the act failed inside (") + e.what() + "); nothing has changed"};
@@ -82,21 +81,32 @@ Acted<TissueChange> SoftTissue::carry_out_act(const Command& command) {
 
 void SoftTissue::take_back(TissueChange& change) {
   change.after = moment();
-  TissueCut::take_back(tissue_, change.steps);
   // Each node returns from one of the nodes that it was parted into.
   ParentList parent;
   if (!change.ancestor.empty()) parent = change.ancestor.reversed(change.before.version.model->X_mm.size());
-  return_to(change.before, std::move(parent));
+  TissueCut::make_room_to_take_back(tissue_, change.steps);
+  try {
+    return_to(change.before, std::move(parent));
+  } catch (...) {
+    return_to(*change.after, change.ancestor);
+    throw;
+  }
+  TissueCut::take_back(tissue_, change.steps);
 }
 
 Outcome SoftTissue::make_again(TissueChange& change) {
-  if (!change.steps.empty()) {
-    TissueCut cut(tissue_);
-    for (const CutStep& s : change.steps)
-      if (!cut.again(s)) return {false, "the same cut came out differently: a defect of the program"};
-    cut.keep();
+  const TissueMoment now = moment();
+  std::optional<TissueCut> cut;  // takes itself back unless it is kept
+  if (!change.steps.empty()) cut.emplace(tissue_);
+  for (const CutStep& s : change.steps)
+    if (!cut->again(s)) return {false, "the same cut came out differently: a defect of the program"};
+  try {
+    return_to(*change.after, change.ancestor);
+  } catch (...) {
+    return_to(now, change.ancestor.empty() ? ParentList{} : change.ancestor.reversed(now.version.model->X_mm.size()));
+    throw;
   }
-  return_to(*change.after, change.ancestor);
+  if (cut) cut->keep();
   change.after.reset();
   return {true, {}};
 }

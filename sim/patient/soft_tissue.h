@@ -2,8 +2,8 @@
 // The soft tissue of a patient under the knife: cuts, hooks, sutures, solver steps.
 //
 // An act is atomic. A cut goes blade -> arrangement -> lattice -> finite elements -> surface in one transaction
-// (tissue_cut.h); whatever refuses on the way, or throws, all before it is taken back. What cannot be cut is refused,
-// and so is what memory does not suffice for; a defect of the program is thrown on.
+// (tissue_cut.h); whatever refuses on the way, or throws, all before it is taken back. What cannot be cut is refused;
+// what memory does not suffice for, and a defect of the program, is thrown on.
 //
 // An act that can be undone gives a Change to the patient's history (world.h): the moment before it, and the operations
 // of the arrangement, which takes these back and makes them again from the same blade, seed and try: the same bits,
@@ -13,6 +13,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim/commands/acted.h"
@@ -34,7 +35,8 @@ struct TissueChange {
   std::vector<CutStep> steps;
   ParentList ancestor;  // per node after it: the node before; empty when the lattice is the same
 
-  void append(TissueChange later);  // of the same stroke
+  /// `later` is of the same stroke. If memory does not suffice, both are as before.
+  void append(TissueChange& later);
 };
 
 class SoftTissue {
@@ -48,9 +50,9 @@ class SoftTissue {
   void take_back(TissueChange& change);
   Outcome make_again(TissueChange& change);
   /// Another part of the patient has acted: a stroke that has cut cannot go on.
-  void another_act();
+  void another_act() noexcept;
   /// The history goes back or forth: no stroke can go on.
-  void stop_stroke(const std::string& why);
+  void stop_stroke(std::string_view why) noexcept;
 
   StepReport step(const StepSettings& settings);
   /// Takes what holds the tissue elsewhere: every fixed node to where(its place at rest), in mm. Free nodes stay where

@@ -75,6 +75,12 @@ Outcome TissueCut::take_out(const Vec3& at_mm) {
   return {true, {}};
 }
 
+void TissueCut::make_room_to_take_back(Tissue& tissue, std::span<const CutStep> steps) {
+  int32_t operations = 0;
+  for (const CutStep& s : steps) operations += s.operations;
+  if (operations > 0) tissue.arrangement_->make_room_to_undo(operations);
+}
+
 void TissueCut::take_back(Tissue& tissue, std::span<const CutStep> steps) {
   for (size_t i = steps.size(); i-- > 0;)
     for (int k = 0; k < steps[i].operations; ++k) tissue.arrangement_->undo();

@@ -59,7 +59,9 @@ class TissueCut {
   void enter();
   std::vector<CutStep> keep();  // the steps
 
+  /// Takes steps that were kept back, the last first; given room, without asking for memory.
   static void take_back(Tissue& tissue, std::span<const CutStep> steps);
+  static void make_room_to_take_back(Tissue& tissue, std::span<const CutStep> steps);
 
  private:
   Outcome follow();

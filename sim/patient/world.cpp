@@ -40,7 +40,12 @@ World::World(World&&) noexcept = default;
 // ---- acts and their history ----
 
 Outcome World::apply(const Command& command) {
-  Outcome o = act(command);
+  Outcome o;
+  try {
+    o = act(command);
+  } catch (const std::bad_alloc& e) {
+    o = {false, std::string("the act failed inside (") + e.what() + "); nothing has changed"};
+  }
   if (!o.done) ++refused_;
   return o;
 }
@@ -50,6 +55,7 @@ Outcome World::act(const Command& command) {
   if (std::holds_alternative<Redo>(command)) return redo();
   if (std::holds_alternative<Stage>(command)) return ++stage_, Outcome{true, {}};
   if (std::holds_alternative<Wait>(command)) return {true, {}};
+  past_->make_room();
   const auto take = [&](auto&& acted) -> Outcome {
     if (acted.ends_redo) past_->end_redo();
     if (acted.change && !acted.goes_on) past_->push(std::move(*acted.change));
@@ -64,13 +70,22 @@ Outcome World::act(const Command& command) {
   if (!skin_) return {false, "there is no skin with flap tools here; expected a scene with a [body]"};
   Acted<TissueChange> acted = skin_->act(command);
   if (acted.done && joined_) joined_->carried.skin_changed();
-  if (acted.change && acted.goes_on) std::get<TissueChange>(past_->last()).append(std::move(*acted.change));
+  if (acted.change && acted.goes_on) {
+    try {
+      std::get<TissueChange>(past_->last()).append(*acted.change);
+    } catch (...) {
+      skin_->take_back(*acted.change);
+      skin_->stop_stroke("a piece of it failed");
+      throw;
+    }
+  }
   return take(std::move(acted));
 }
 
 Outcome World::undo() {
   if (!past_->can_undo())
     return {false, "there is nothing to undo; a cut, a stitch or another act on the patient was expected before it"};
+  past_->make_room();
   if (auto* of_head = std::get_if<HeadChange>(&past_->last())) {
     if (Outcome o = head_->take_back(*of_head); !o.done) return o;
   }
@@ -83,6 +98,7 @@ Outcome World::undo() {
 
 Outcome World::redo() {
   if (!past_->can_redo()) return {false, "there is nothing to redo; an undo as the last act was expected"};
+  past_->make_room();
   if (auto* of_head = std::get_if<HeadChange>(&past_->last_undone())) {
     if (Outcome o = head_->make_again(*of_head); !o.done) return o;
   }

@@ -203,10 +203,10 @@ void fibres(Result& out) {
   };
   // G1: human back skin (Ni Annaidh et al. 2012), two families at 41 degrees to the Langer line.
   const double a = 41 * M_PI / 180;
-  const LawPtr skin = sum_of(
+  const LawPtr back_skin = sum_of(
       {neo_hookean(201.4),
        dispersed_fibres({24530, 0.1327, 0.1404}, {{{std::cos(a), std::sin(a), 0}}, {{std::cos(a), -std::sin(a), 0}}})});
-  const OneCell g1(skin, 1e5 * 201.4);
+  const OneCell g1(back_skin, 1e5 * 201.4);
   check("GOH set G1 along the fibres' mean", g1, 0,
         {{1.05, 0.084584, 0.92912}, {1.10, 0.343830, 0.84134}, {1.15, 1.348058, 0.76511}, {1.20, 3.291599, 0.72905}});
   check("GOH set G1 across", g1, 1,

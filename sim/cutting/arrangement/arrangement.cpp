@@ -160,10 +160,21 @@ CutResult Arrangement::cut(const Blade& blade, uint64_t seed, int first_try) {
   return result;
 }
 
+void Arrangement::make_room_to_undo(int32_t operations) {
+  ArrangementStore& s = *store_;
+  size_t faces = 0;
+  for (size_t i = 0; i < size_t(operations) && i < s.history.size(); ++i) {
+    const OperationDelta& d = s.history[s.history.size() - 1 - i];
+    faces += d.mat.size() + d.retired.size();
+  }
+  s.edges.make_room(faces, int32_t(s.face.size()) - 1);
+}
+
 bool Arrangement::undo() {
   ArrangementStore& s = *store_;
   if (s.history.empty()) return false;
-  const OperationDelta d = std::move(s.history.back());
+  make_room_to_undo(1);
+  OperationDelta d = std::move(s.history.back());
   s.history.pop_back();
   s.take_back(d);
   s.last = LastOperation{};

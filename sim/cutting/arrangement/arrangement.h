@@ -53,6 +53,8 @@ class Arrangement {
   DebrisResult find_debris(double below_mm3) const;  // what that would take
   /// Takes the last cut or excision back, exactly. False when there is none.
   bool undo();
+  /// So many undo() in a row then need no more memory.
+  void make_room_to_undo(int32_t operations);
   int32_t operations() const;  // that undo() could take back
 
   /// Of the live faces with their bits and exact corners: equal before and after a refused cut, or a cut and its undo.

@@ -41,14 +41,20 @@ CutBuilder::Outcome CutBuilder::run(CutResult& result) {
   return o;
 }
 
+// Without asking for memory, which may be what has failed. The components are what they were: a try does not touch them
+// before it has succeeded.
 void CutBuilder::abandon() {
   store_.edges.end_changes();
-  if (committing_ && !accounted_) {  // taking back starts from a whole edge map
-    for (int32_t f : store_.last.removed) store_.account(f, false);
-    for (int32_t f : store_.last.added) store_.account(f, true);
+  if (in_edges_) {
+    for (size_t f = size_t(delta_.faces); f < store_.face.size(); ++f)
+      if (const Face& made = store_.face[f]; made.live()) store_.edges.remove(int32_t(f), made.v, made.outer());
   }
-  if (store_.components_known) delta_.component = store_.component;  // a try does not touch them before it succeeds
-  store_.take_back(delta_);
+  for (int32_t f : delta_.retired) {
+    Face& back = store_.face[f];
+    back.retired = false;
+    if (in_edges_ && back.live()) store_.edges.add(f, back.v, back.outer());
+  }
+  store_.take_back_arrays(delta_);
   if (committing_) store_.last = std::move(last_before_);
 }
 

@@ -76,7 +76,7 @@ class CutBuilder {
 
   OperationDelta delta_;
   LastOperation last_before_;
-  bool committing_ = false, accounted_ = false;
+  bool committing_ = false, in_edges_ = false;
   std::vector<int32_t> blade_point_;
   bool continues_ = false;  // shares points with an older wall
   int32_t first_orig_ = 0, op_ = 0;

@@ -75,9 +75,9 @@ void CutBuilder::retire_replaced(int32_t orig, std::span<const PlanarSplit::Piec
   for (size_t i = 0; i < faces.size(); ++i) {
     if (pieces[i].old) continue;
     Face& face = store_.face[size_t(faces[i])];
+    delta_.retired.push_back(faces[i]);
     if (face.live()) store_.last.removed.push_back(faces[i]);
     face.retired = true;
-    delta_.retired.push_back(faces[i]);
   }
 }
 
@@ -179,6 +179,7 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
 
   // Commit. From here on a failure is taken back through delta_.
   store_.points.settle();
+  store_.make_room_in_history();
   store_.edges.begin_changes();
   last_before_ = std::move(store_.last);
   committing_ = true;
@@ -205,7 +206,8 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
   constexpr size_t kAhead = 8;
   const auto& removed = store_.last.removed;
   const auto& added = store_.last.added;
-  store_.edges.make_room(removed.size() + added.size(), int32_t(store_.face.size()) - 1);
+  store_.edges.make_room(2 * removed.size() + added.size(), int32_t(store_.face.size()) - 1);  // and for a way back
+  in_edges_ = true;
   const auto prefetch = [&](const Face& f) { store_.edges.prefetch(f.v, f.outer()); };
   for (size_t i = 0; i < removed.size(); ++i) {
     if (i + kAhead < removed.size()) prefetch(store_.face[size_t(removed[i + kAhead])]);
@@ -220,7 +222,6 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
   store_.edges.end_changes();
   for (int32_t f : removed) store_.account_sums(f, false);
   for (int32_t f : added) store_.account_sums(f, true);
-  accounted_ = true;
   const auto changed = store_.edges.changed();
   for (size_t i = 0; i < changed.size(); ++i) {
     if (i + kAhead < changed.size())
@@ -262,8 +263,13 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
   result.wall_faces = int(store_.last.new_walls.size());
   result.blade_point = blade_point_;
   if (store_.points.fails()) return fail(coincidence, "made to fail");
+  try {
+    store_.update_components(delta_);
+  } catch (const std::bad_alloc&) {  // they are found when next asked for
+    delta_.component.reset();
+    delta_.component_of.clear();
+  }
   store_.history.push_back(std::move(delta_));
-  store_.update_components(store_.history.back());
   return ok;
 }
 

@@ -1,5 +1,6 @@
 // Taking components of the sided surface away: their material bits are cleared, nothing else.
 #include <algorithm>
+#include <utility>
 
 #include "sim/cutting/arrangement/store.h"
 
@@ -23,12 +24,23 @@ OperationDelta ArrangementStore::begin_delta(LastOperation::Kind kind) const {
 
 int32_t ArrangementStore::clear_components(const std::vector<uint8_t>& marked, OperationDelta& d) {
   int32_t cleared = 0;
+  // From here on nothing asks for memory.
+  const auto cleared_side = [&](int32_t f, int side) {
+    return face[f].has_side(side) && marked[size_t(component_of[sided_face(f, side)])];
+  };
+  size_t count = 0;
+  for (int32_t f = 0; f < int32_t(face.size()); ++f) count += cleared_side(f, 0) || cleared_side(f, 1);
   std::vector<int32_t> origs, gone, changed;
+  for (auto* list : {&origs, &gone, &changed}) list->reserve(count);
+  for (auto* list : {&last.removed, &last.changed}) list->reserve(list->size() + count);
+  d.mat.reserve(d.mat.size() + count);
+  d.mate.reserve(d.mate.size() + 6 * count);
+  d.orig.reserve(d.orig.size() + count);
   for (int32_t f = 0; f < int32_t(face.size()); ++f) {
     Face& t = face[f];
     uint8_t clear = 0;
     for (int side = 0; side < 2; ++side)
-      if (t.has_side(side) && marked[size_t(component_of[sided_face(f, side)])]) clear = uint8_t(clear | 1 << side);
+      if (cleared_side(f, side)) clear = uint8_t(clear | 1 << side);
     if (!clear) continue;
     d.mat.push_back({f, t.mat});
     hash_sum -= face_hash(t);
@@ -91,12 +103,18 @@ ExciseResult Arrangement::excise(int32_t which) {
   }
   ArrangementStore& s = *store_;
   OperationDelta d = s.begin_delta(LastOperation::excision);
-  s.last = LastOperation{};
-  s.last.kind = LastOperation::excision;
   std::vector<uint8_t> marked(all.size(), 0);
   marked[size_t(which)] = 1;
   result.volume_mm3 = all[size_t(which)].volume_mm3;
-  result.sided_faces = s.clear_components(marked, d);
+  s.make_room_in_history();
+  LastOperation before = std::exchange(s.last, LastOperation{});
+  s.last.kind = LastOperation::excision;
+  try {
+    result.sided_faces = s.clear_components(marked, d);
+  } catch (...) {
+    s.last = std::move(before);
+    throw;
+  }
   result.done = true;
   s.history.push_back(std::move(d));
   return result;

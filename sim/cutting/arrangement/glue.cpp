@@ -145,14 +145,6 @@ uint64_t ArrangementStore::face_hash(const Face& f) const { return hash_of(f, co
 
 uint64_t ArrangementStore::face_volume_residue(const Face& f) const { return volume_of(f, corners_of(points, f)); }
 
-void ArrangementStore::account(int32_t id, bool in) {
-  if (in)
-    edges.add(id, face[id].v, face[id].outer());
-  else
-    edges.remove(id, face[id].v, face[id].outer());
-  account_sums(id, in);
-}
-
 void ArrangementStore::account_sums(int32_t id, bool in) {
   const Face& f = face[id];
   const Corners corner = corners_of(points, f);

@@ -36,7 +36,15 @@ uint64_t mod_prime(const int128& value) {  // below 2^122
 
 }  // namespace
 
+void PointStore::make_room() {
+  const auto one_more = [](auto& v) {
+    if (v.size() == v.capacity()) v.reserve(2 * v.size() + 64);
+  };
+  one_more(approx_), one_more(implicit_of_), one_more(implicit_);
+}
+
 int32_t PointStore::add_explicit(const Int3& p) {
+  make_room();
   approx_.emplace_back(p.x, p.y, p.z);
   implicit_of_.push_back(-1);
   return size() - 1;
@@ -47,6 +55,7 @@ int32_t PointStore::line_plane(int32_t a, int32_t b, int32_t tri, const Plane& p
   const PointKey key{PointKey::line_plane, {a, b, tri}};
   const size_t at = place_for(key);
   if (const int32_t i = table_[at].index; i >= 0) return implicit_[size_t(i)].point;
+  make_room();
   line_plane_.push_back(limberg::line_plane(integer(a), integer(b), plane));
   return add_implicit(at, key, approximate(line_plane_.back()), int32_t(line_plane_.size()) - 1);
 }
@@ -56,6 +65,7 @@ int32_t PointStore::three_planes(std::array<int32_t, 3> tri, const Plane& p0, co
   const PointKey key{PointKey::three_planes, tri};
   const size_t at = place_for(key);
   if (const int32_t i = table_[at].index; i >= 0) return implicit_[size_t(i)].point;
+  make_room();
   three_planes_.push_back(limberg::three_planes(p0, p1, p2));
   return add_implicit(at, key, approximate(three_planes_.back()), int32_t(three_planes_.size()) - 1);
 }
@@ -86,7 +96,7 @@ void PointStore::truncate(int32_t n) {
       const Implicit& last = implicit_.back();
       table_[place(last.key, hash(last.key))].index = -1;
       if (last.is_line_plane())
-        line_plane_.resize(size_t(last.form));  // one more may stand behind it: its point found no memory
+        line_plane_.resize(size_t(last.form));
       else
         three_planes_.resize(size_t(last.form));
       implicit_.pop_back();

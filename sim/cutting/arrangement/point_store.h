@@ -119,6 +119,7 @@ class PointStore {
     int32_t form = 0;  // of line_plane_ or three_planes_
     bool is_line_plane() const { return key.kind == PointKey::line_plane; }
   };
+  void make_room();  // for one more point: adding it cannot fail half-way
   static uint64_t hash(const PointKey& k) {
     uint64_t h = uint64_t(k.kind);
     for (int32_t i : k.id) h = (h ^ uint32_t(i)) * 0x9e3779b97f4a7c15ull, h ^= h >> 29;

@@ -128,10 +128,12 @@ struct ArrangementStore {
   // glue.cpp
   uint64_t face_hash(const Face& f) const;
   uint64_t face_volume_residue(const Face& f) const;  // of its sided faces: 6 V modulo kPrime
-  /// Enters a face that is to live into the edge map and the running sums, or takes it out of them.
-  void account(int32_t f, bool in);
-  /// Its part in the running sums alone.
+  /// Enters a face that is to live into the running sums, or takes it out of them.
   void account_sums(int32_t f, bool in);
+  /// The next operation finds a place in the history without asking for memory.
+  void make_room_in_history() {
+    if (history.size() == history.capacity()) history.reserve(2 * history.size() + 16);
+  }
   /// Sets the mates of every live face at the edge a-b by the radial rule; old ones of faces older than `delta` go to
   /// it. Returns a description of the contradiction if there is one, else null.
   const char* glue_edge(int32_t a, int32_t b, OperationDelta* delta) {
@@ -157,8 +159,10 @@ struct ArrangementStore {
   /// check.cpp: what is wrong with the links of a divided triangle; null if nothing. For tests.
   const char* wrong_links(int32_t o) const;
 
-  // undo.cpp
-  void take_back(const OperationDelta& delta);
+  // undo.cpp; neither asks for memory, given edges.make_room for what returns
+  void take_back(OperationDelta& delta);
+  /// All of it but the edge map and the components, for one that has not come to these. Retired faces are live by now.
+  void take_back_arrays(const OperationDelta& delta);
   /// Makes the box tree of the last operation.
   void plant();
 };

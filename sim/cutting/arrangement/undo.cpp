@@ -3,7 +3,7 @@
 
 namespace limberg {
 
-void ArrangementStore::take_back(const OperationDelta& d) {
+void ArrangementStore::take_back(OperationDelta& d) {
   // Bits return first (debris may have been swept from faces that the operation made); then faces made by the operation
   // leave the edge map and those it retired return.
   for (size_t i = d.mat.size(); i-- > 0;) {
@@ -18,6 +18,16 @@ void ArrangementStore::take_back(const OperationDelta& d) {
     face[f].retired = false;
     if (face[f].live()) edges.add(f, face[f].v, face[f].outer());
   }
+  take_back_arrays(d);
+  components_known = components_known && d.component;
+  if (components_known) {
+    component = std::move(*d.component);
+    component_of.resize(2 * face.size());
+    for (const auto& [sided, c] : d.component_of) component_of[sided] = c;
+  }
+}
+
+void ArrangementStore::take_back_arrays(const OperationDelta& d) {
   for (size_t i = d.mate.size(); i-- > 0;) mate[d.mate[i].first / 6][size_t(d.mate[i].first % 6)] = d.mate[i].second;
   face.resize(size_t(d.faces));
   mate.resize(size_t(d.faces));
@@ -39,12 +49,6 @@ void ArrangementStore::take_back(const OperationDelta& d) {
   forest = d.forest;
   hash_sum = d.hash_sum;
   volume_residue = d.volume_residue;
-  components_known = components_known && d.component;
-  if (components_known) {
-    component = *d.component;
-    component_of.resize(2 * face.size());
-    for (const auto& [sided, c] : d.component_of) component_of[sided] = c;
-  }
 }
 
 void ArrangementStore::plant() {

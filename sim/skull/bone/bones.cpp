@@ -98,8 +98,27 @@ int32_t Bones::nearest_fragment(const Vec3& rest, Vec3* on_bone) const {
   return best;
 }
 
-ActedOnBone Bones::finish(BoneChange&& change, std::string words) const {
-  change.after = now_;
+template <class Act>
+std::string Bones::all_of(Act&& act) {
+  simplex::Mesh mesh = mesh_;
+  BonesState now = now_;
+  try {
+    return act();
+  } catch (...) {
+    mesh_ = std::move(mesh), now_ = std::move(now);
+    ++version_;
+    recount();
+    throw;
+  }
+}
+
+ActedOnBone Bones::finish(BoneChange&& change, std::string words) {
+  try {
+    change.after = now_;
+  } catch (...) {
+    take_back(change);
+    throw;
+  }
   return {{true, std::move(words)}, std::move(change)};
 }
 
@@ -161,7 +180,7 @@ ActedOnBone Bones::cut(const Osteotomy& asked) {
     if (!at.allFinite()) return refused("a place of the cut is not finite");
     change.what.fragment = nearest_fragment(at);
   }
-  if (std::string bad = cut_mesh(change.what, change.delta); !bad.empty()) return refused(bad);
+  if (std::string bad = all_of([&] { return cut_mesh(change.what, change.delta); }); !bad.empty()) return refused(bad);
   return finish(std::move(change));
 }
 
@@ -205,7 +224,7 @@ ActedOnBone Bones::join(int32_t a, int32_t b) {
   if (fb || (!fa && b < a)) std::swap(a, b);
   BoneChange change;
   change.kind = BoneChange::Kind::join, change.a = a, change.b = b, change.before = now_;
-  if (std::string bad = join_mesh(a, b, change.delta); !bad.empty()) return refused(bad);
+  if (std::string bad = all_of([&] { return join_mesh(a, b, change.delta); }); !bad.empty()) return refused(bad);
   return finish(std::move(change));
 }
 
@@ -267,21 +286,34 @@ ActedOnBone Bones::unplate(int32_t id) {
 
 Outcome Bones::take_back(BoneChange& change) {
   if (held_ >= 0) return refused(kHeld);
-  now_ = change.before;
-  if (change.kind != BoneChange::Kind::state) {
-    simplex::undo(mesh_, change.delta);
+  if (change.kind == BoneChange::Kind::state) {
+    now_ = change.before;
+    return {true, ""};
+  }
+  simplex::Delta delta = change.delta;
+  all_of([&] {
+    now_ = change.before;
+    simplex::undo(mesh_, delta);
     ++version_;
     recount();
-  }
+    return std::string();
+  });
+  change.delta = {};
   return {true, ""};
 }
 
 Outcome Bones::make_again(BoneChange& change) {
   if (held_ >= 0) return refused(kHeld);
   // The mesh is to the bit what it was when this was done first, so it can be done again and cannot fail.
-  if (change.kind == BoneChange::Kind::cut) cut_mesh(change.what, change.delta);
-  if (change.kind == BoneChange::Kind::join) join_mesh(change.a, change.b, change.delta);
-  if (change.kind == BoneChange::Kind::state) now_ = change.after;
+  if (change.kind == BoneChange::Kind::state) {
+    now_ = change.after;
+    return {true, ""};
+  }
+  simplex::Delta delta;
+  all_of([&] {
+    return change.kind == BoneChange::Kind::cut ? cut_mesh(change.what, delta) : join_mesh(change.a, change.b, delta);
+  });
+  change.delta = std::move(delta);
   return {true, ""};
 }
 

@@ -159,7 +159,10 @@ class Bones {
   std::string cut_mesh(const Osteotomy& what, simplex::Delta& delta);
   std::string join_mesh(int32_t a, int32_t b, simplex::Delta& delta);
   void recount();  // components after the mesh changed
-  ActedOnBone finish(BoneChange&& change, std::string words = {}) const;
+  /// What the act answers. Whatever it throws, mesh and fragments are as they were.
+  template <class Act>
+  std::string all_of(Act&& act);
+  ActedOnBone finish(BoneChange&& change, std::string words = {});
   std::vector<int32_t> plated(int32_t id) const;  // indices, itself included
   const FragmentShape& shape(int32_t id) const;   // at rest, kept until the mesh changes
 

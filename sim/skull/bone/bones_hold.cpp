@@ -62,9 +62,10 @@ Outcome Bones::grab(int32_t id) {
     p.centre_mm /= volume;
     parts.push_back(std::move(p));
   }
+  auto hold = std::unique_ptr<Held>(new Held{std::move(ids), std::move(offset), part, RigidWorld(parts, part)});
   before_grab_ = now_;
+  hold_ = std::move(hold);
   held_ = id;
-  hold_ = std::unique_ptr<Held>(new Held{std::move(ids), std::move(offset), part, RigidWorld(parts, part)});
   return {true, ""};
 }
 
@@ -87,9 +88,8 @@ void Bones::step(double dt) {
 
 ActedOnBone Bones::release(int32_t id, bool snap) {
   if (held_ < 0 || id != held_) return refused("fragment " + std::to_string(id) + " is not held");
-  hold_.reset();
-  held_ = -1;
   std::string words;
+  BonesState then = now_;
   if (snap) {
     // The neighbour by a cut that it lies nearest to where it fits: there both have one pose.
     const Fragment& f = *fragment(id);
@@ -114,12 +114,15 @@ ActedOnBone Bones::release(int32_t id, bool snap) {
       words = f.name + " stays: it was cut from no other fragment";
     const Eigen::Isometry3d by = to * f.pose.inverse();
     for (int32_t i : group) {
-      Fragment& g = now_.fragments[size_t(i)];
+      Fragment& g = then.fragments[size_t(i)];
       g.pose = g.id == id ? to : by * g.pose;
     }
   }
   // A release is an act even where everything lies as before: the hand has done something.
   BoneChange change;
+  now_ = std::move(then);
+  hold_.reset();
+  held_ = -1;
   change.before = std::move(before_grab_);
   return finish(std::move(change), std::move(words));
 }

@@ -69,6 +69,18 @@ ActedOnHead Head::act(const HeadCommand& command) {
   return std::visit([this](const auto& c) { return act(c); }, command);
 }
 
+// What follows the change of the bones, and the words of the answer; whatever is thrown there, the act is taken back.
+template <class Rest>
+ActedOnHead Head::finish(HeadChange& change, Rest&& rest) {
+  try {
+    std::string words = rest();
+    return {{true, std::move(words)}, std::move(change)};
+  } catch (...) {
+    take_back(change);
+    throw;
+  }
+}
+
 // ---- acts on bone ----
 
 ActedOnHead Head::act(const CutBone& c) {
@@ -83,9 +95,11 @@ ActedOnHead Head::act(const CutBone& c) {
   bone::ActedOnBone cut = bones_.cut(o);
   if (!cut.done) return Outcome(cut);
   change.bones = std::move(cut.change);
-  bones_changed(version);
-  // A cut through what a tissue hangs on is allowed; whoever made it is told.
-  return {{true, has_face_ && !face_.warnings().empty() ? face_.warnings().back() : cut.reason}, std::move(change)};
+  return finish(change, [&] {
+    bones_changed(version);
+    // A cut through what a tissue hangs on is allowed; whoever made it is told.
+    return has_face_ && !face_.warnings().empty() ? face_.warnings().back() : cut.reason;
+  });
 }
 
 ActedOnHead Head::act(const MoveFragment& m) {
@@ -96,14 +110,14 @@ ActedOnHead Head::act(const MoveFragment& m) {
   bone::ActedOnBone moved = bones_.move(id, isometry(m.by, centre_now(id)) * bones_.fragment(id)->pose);
   if (!moved.done) return Outcome(moved);
   change.bones = std::move(moved.change);
-  return {{true, lies(bones_, id)}, std::move(change)};
+  return finish(change, [&] { return lies(bones_, id); });
 }
 
 ActedOnHead Head::act(const GrabFragment& g) {
   std::string reason;
   const int32_t id = find(g.fragment, reason);
   if (id < 0) return refuse(reason);
-  const Outcome done = bones_.grab(id);
+  Outcome done = bones_.grab(id);
   if (!done.done) return done;
   grabbed_at_ = bones_.fragment(id)->pose;
   grabbed_centre_ = centre_now(id);
@@ -124,9 +138,10 @@ ActedOnHead Head::act(const LetGo& l) {
   bone::ActedOnBone released = bones_.release(id, l.snap);
   if (!released.done) return Outcome(released);
   held_by_ = -1, change.bones = std::move(released.change);
-  const std::string beside = lies(bones_, id);
-  return {{true, released.reason + (released.reason.empty() || beside.empty() ? "" : "; ") + beside},
-          std::move(change)};
+  return finish(change, [&] {
+    const std::string beside = lies(bones_, id);
+    return released.reason + (released.reason.empty() || beside.empty() ? "" : "; ") + beside;
+  });
 }
 
 ActedOnHead Head::act(const PlateFragments& p) {
@@ -134,8 +149,7 @@ ActedOnHead Head::act(const PlateFragments& p) {
   bone::ActedOnBone plated = bones_.plate(p.a_mm, p.b_mm);
   if (!plated.done) return Outcome(plated);
   change.bones = std::move(plated.change);
-  topology_changed();
-  return {Outcome(plated), std::move(change)};
+  return finish(change, [&] { return topology_changed(), plated.reason; });
 }
 
 ActedOnHead Head::act(const Unplate& u) {
@@ -146,8 +160,7 @@ ActedOnHead Head::act(const Unplate& u) {
   bone::ActedOnBone freed = bones_.unplate(id);
   if (!freed.done) return Outcome(freed);
   change.bones = std::move(freed.change);
-  topology_changed();
-  return {Outcome(freed), std::move(change)};
+  return finish(change, [&] { return topology_changed(), freed.reason; });
 }
 
 ActedOnHead Head::act(const SortFragments&) {
@@ -173,14 +186,16 @@ ActedOnHead Head::act(const JoinFragments& j) {
   bone::ActedOnBone joined = bones_.join(a, b);
   if (!joined.done) return Outcome(joined);
   change.bones = std::move(joined.change);
-  // The rest of the one that is gone was set anew; its landmarks go along.
-  const bool a_stays = bones_.fragment(a) != nullptr;
-  const Eigen::Isometry3d to = a_stays ? pose_a.inverse() * pose_b : pose_b.inverse() * pose_a;
-  for (HeadLandmark& l : state_.landmarks)
-    if (!l.on_face && l.fragment == (a_stays ? b : a)) l.X_mm = to * l.X_mm;
-  if (has_face_) face_.rest_set_anew(of[a_stays ? 1 : 0], to);
-  bones_changed(version);
-  return {Outcome(joined), std::move(change)};
+  return finish(change, [&] {
+    // The rest of the one that is gone was set anew; its landmarks go along.
+    const bool a_stays = bones_.fragment(a) != nullptr;
+    const Eigen::Isometry3d to = a_stays ? pose_a.inverse() * pose_b : pose_b.inverse() * pose_a;
+    for (HeadLandmark& l : state_.landmarks)
+      if (!l.on_face && l.fragment == (a_stays ? b : a)) l.X_mm = to * l.X_mm;
+    if (has_face_) face_.rest_set_anew(of[a_stays ? 1 : 0], to);
+    bones_changed(version);
+    return joined.reason;
+  });
 }
 
 // ---- acts on face and landmarks ----
@@ -208,12 +223,16 @@ Outcome Head::connect(const ConnectTissue& t) {
 ActedOnHead Head::act(const ConnectTissue& t) {
   if (bones_.held() >= 0) return refuse(bone::kHeld);
   HeadChange change = before(true);
-  const Outcome o = connect(t);
+  Outcome o{true, {}};
+  ActedOnHead made = finish(change, [&]() -> std::string {
+    o = connect(t);
+    if (!o.done) return {};
+    topology_changed();
+    const bool net = t.mode == TissueKind::springs || t.mode == TissueKind::shape;
+    return net ? face_.free_motions(face_.tissues().size() - 1, kCountedAtOnce) : std::string();
+  });
   if (!o.done) return o;
-  topology_changed();
-  const bool net = t.mode == TissueKind::springs || t.mode == TissueKind::shape;
-  return {{true, net ? face_.free_motions(face_.tissues().size() - 1, kCountedAtOnce) : std::string()},
-          std::move(change)};
+  return made;
 }
 
 ActedOnHead Head::act(const Superpose& s) {
@@ -234,8 +253,8 @@ ActedOnHead Head::act(const Superpose& s) {
     for (size_t v = 0; v < m.fragment.size(); ++v)
       m.fragment[v] = placed_.alive(int32_t(v)) ? bones_.fragment_of(int32_t(v)) : -1;
     for (const bone::Fragment& f : bones_.fragments()) m.names.emplace_back(f.id, f.name);
-    moment_version_ = bones_.version();
     moments_.push_back(std::move(m));
+    moment_version_ = bones_.version();
   }
   beside_ = s.on;
   return {true, {}};
@@ -257,14 +276,16 @@ ActedOnHead Head::act(const PlaceLandmark& p) {
     return refuse("lies more than 20 mm from the " + std::string(p.on_face ? "face" : "bone") +
                   "; expected a place on it");
   tie(l);
-  const auto same = std::find_if(state_.landmarks.begin(), state_.landmarks.end(),
-                                 [&](const HeadLandmark& k) { return k.name == l.name; });
-  if (same != state_.landmarks.end())
-    *same = l;
-  else
-    state_.landmarks.push_back(l);
-  topology_changed();
-  return {{true, {}}, std::move(change)};
+  return finish(change, [&] {
+    const auto same = std::find_if(state_.landmarks.begin(), state_.landmarks.end(),
+                                   [&](const HeadLandmark& k) { return k.name == l.name; });
+    if (same != state_.landmarks.end())
+      *same = l;
+    else
+      state_.landmarks.push_back(l);
+    topology_changed();
+    return std::string();
+  });
 }
 
 void Head::tie(HeadLandmark& l) const {
@@ -437,7 +458,13 @@ Outcome Head::take_back(HeadChange& change) {
   if (bones_.held() >= 0) return refuse(bone::kHeld);
   if (change.bones)
     if (Outcome o = bones_.take_back(*change.bones); !o.done) return o;
-  swap_with(change);
+  try {
+    swap_with(change);
+  } catch (...) {
+    if (change.bones) bones_.make_again(*change.bones);
+    swap_with(change);
+    throw;
+  }
   return {true, {}};
 }
 
@@ -445,7 +472,13 @@ Outcome Head::make_again(HeadChange& change) {
   if (bones_.held() >= 0) return refuse(bone::kHeld);
   if (change.bones)
     if (Outcome o = bones_.make_again(*change.bones); !o.done) return o;
-  swap_with(change);
+  try {
+    swap_with(change);
+  } catch (...) {
+    if (change.bones) bones_.take_back(*change.bones);
+    swap_with(change);
+    throw;
+  }
   return {true, {}};
 }
 

@@ -10,7 +10,8 @@
 // of commands are on the bones at rest, where they were at first; a fragment's pose takes them to where they are now.
 //
 // Osteotomies, moves, plates, joins, tissue and landmarks give what takes them back to the patient's history
-// (patient/history.h). The face is never set back by a move: it follows the bones to where they are.
+// (patient/history.h); one that fails half-way is taken back with it. The face is never set back by a move: it follows
+// the bones to where they are.
 #include <memory>
 #include <optional>
 #include <string>
@@ -141,7 +142,9 @@ class Head {
   ActedOnHead act(const SortFragments&);
   Outcome connect(const ConnectTissue& tissue);
   HeadChange before(bool with_face) const;  // of an act: what it may change, as it is now
-  void swap_with(HeadChange& change);       // once the bones have gone their way
+  template <class Rest>
+  ActedOnHead finish(HeadChange& change, Rest&& rest);
+  void swap_with(HeadChange& change);  // once the bones have gone their way
   int32_t find(const FragmentPick& pick, std::string& reason) const;
   Vec3 centre_now(int32_t fragment) const;
   void tie(HeadLandmark& landmark) const;
