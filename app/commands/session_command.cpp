@@ -219,15 +219,18 @@ std::string keep_after_failure(const std::optional<AsideRecording>& aside, Recor
   std::rethrow_exception(failure.cause);
 }
 
-int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>& after) {
-  if (call.lesson) {
-    if (!call.scene.flesh)
-      throw InputError(call.scene.name, 0, "has no skin: --judge is for scenes of skin; expected none");
-    if (const std::string other = made_for_another(*call.lesson, call.scene.name, call.scene.path); !other.empty())
-      say(other);
-  }
-  catch_interrupts();
-  call.common.prepare();
+namespace {
+
+void check_lesson(const SessionCall& call) {
+  if (!call.lesson) return;
+  if (!call.scene.flesh)
+    throw InputError(call.scene.name, 0, "has no skin: --judge is for scenes of skin; expected none");
+  if (const std::string other = made_for_another(*call.lesson, call.scene.name, call.scene.path); !other.empty())
+    say(other);
+}
+
+/// Where the recording goes is settled before anything is built.
+std::optional<AsideRecording> settle_recording(SessionCall& call) {
   std::optional<AsideRecording> aside;
   if (call.window && call.record_file.empty() && !call.keep_dir.empty()) {
     aside.emplace(call.keep_dir);
@@ -239,7 +242,10 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
       throw InputError(call.record_file, 0, "exists already; expected the name of a new file, or --replace");
     check_replaces_recording(call.record_file);
   }
+  return aside;
+}
 
+AssemblyOptions assembly_options(const SessionCall& call) {
   AssemblyOptions o;
   o.workers = call.common.worker_count();
   o.record = !call.record_file.empty();
@@ -248,21 +254,90 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   o.draw_frames = !call.common.out_dir.empty() || call.real_time;
   o.repro_dir = call.common.repro();
   if (!call.common.out_dir.empty()) o.script_file = call.common.out_dir + "/session.jsonl";
+  return o;
+}
+
+/// Null: there is none, and a device is enough.
+std::unique_ptr<SessionWindow> open_window(const SessionCall& call) {
+  if (!call.window) return nullptr;
+  try {
+    return call.window(call.scene);
+  } catch (const RenderUnavailable& e) {
+    say(e.what());
+    if (call.sources.empty() && call.live_sources.empty())
+      throw InputError("", 0,
+                       "no window and no device: nothing can be done to the patient; expected a display, or --device");
+    say("going on without a window");
+    return nullptr;
+  }
+}
+
+/// A film and a replay take as long as they need: what is left goes by what was needed until now.
+std::function<void(int64_t)> progress_line(const SessionCall& call, Progress& progress) {
+  return [&call, &progress, began_ns = RealClock::monotonic_ns()](int64_t tick) {
+    const double done_s = double(tick) * 1e-3, took_s = double(RealClock::monotonic_ns() - began_ns) * 1e-9;
+    if (call.real_time || call.known_length_s <= 0 || done_s < 0.02 * call.known_length_s)
+      progress.show(done_s, call.known_length_s, "s");
+    else
+      progress.show(done_s, call.known_length_s,
+                    ("s, " + about_s(took_s * std::max(0.0, call.known_length_s / done_s - 1)) + " left").c_str());
+  };
+}
+
+/// How the session came to be, and what went wrong on the way, into the result and to the person.
+void tell_story(Result& result, const SessionCall& call, const Assembly& a, const Recorder* recorder) {
+  ResultStory story = made_by(call.reproduce);
+  story.repro = unless_empty(a.repro.files());
+  if (recorder && recorder->failed()) story.recording_error = recorder->error();
+  write_fields(result, "", story);
+  for (const Refusal& r : a.solver.refused()) say(fmt::format("{:.2f} s: {} refused: {}", r.t_s, r.command, r.reason));
+  for (const std::string& file : a.repro.files())
+    say("a refused cut can be tried again: limberg operate " + a.scene.name + " " + file);
+  if (!a.repro.error().empty()) say(a.repro.error());
+  if (!a.script_error.empty()) say("the session's script is cut short: " + a.script_error);
+}
+
+/// What could not be written, if so: the figures of the session are left even then.
+std::optional<InputError> leave_pictures(Result& result, const SessionCall& call, Assembly& a, const Snapshot& first) {
+  if (call.common.out_dir.empty()) return std::nullopt;
+  try {
+    Snapshot last;
+    a.patient->fill_with_field(last);  // with the tension
+    if (a.world->skin())
+      draw_report_pictures(call.common.out_dir, a.solver.stages(), last);
+    else if (a.head)
+      draw_head_pictures(call.common.out_dir, a.solver.stages(), first, last, scene_camera(a.scene), *a.head);
+    if (a.head) leave_head_figures(result, *a.head, call.common.out_dir, last, scene_camera(a.scene), a.workers);
+  } catch (const InputError& e) {
+    return e;
+  }
+  return std::nullopt;
+}
+
+/// The recording's last name, told; one that nobody wants is removed.
+void leave_recording(const std::optional<AsideRecording>& aside, bool keep, const SessionCall& call,
+                     const Recorder* recorder) {
+  if (recorder && !recorder->failed()) {
+    const std::string file = !aside ? call.record_file : keep ? aside->keep() : "";
+    if (!file.empty()) fmt::print("recording   {}, {} samples\n", file, recorder->samples());
+  }
+  if (aside && !keep) aside->remove();
+}
+
+}  // namespace
+
+int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>& after) {
+  check_lesson(call);
+  catch_interrupts();
+  call.common.prepare();
+  const std::optional<AsideRecording> aside = settle_recording(call);
+
+  // The patient, and all that looks at it or acts on it.
+  AssemblyOptions o = assembly_options(call);
   OffscreenFrames frames(call.scene, 640, 480);
   if (o.draw_frames) o.sink = &frames;
-  std::unique_ptr<SessionWindow> window;
-  if (call.window) {
-    try {
-      window = call.window(call.scene);
-      o.sink = &window->sink();
-    } catch (const RenderUnavailable& e) {
-      say(e.what());
-      if (call.sources.empty() && call.live_sources.empty())
-        throw InputError(
-            "", 0, "no window and no device: nothing can be done to the patient; expected a display, or --device");
-      say("going on without a window");
-    }
-  }
+  std::unique_ptr<SessionWindow> window = open_window(call);
+  if (window) o.sink = &window->sink();
   std::unique_ptr<Film> film;
   if (call.film) {
     film = std::make_unique<Film>(call.scene, *call.film);
@@ -287,40 +362,32 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   set.stop_when_recording_fails = call.command == "emulate";
   set.settle_when_closed = call.lesson.has_value();  // a judge looks at the patient at rest
   set.interrupted = interrupted;
-  const int64_t began_ns = RealClock::monotonic_ns();
-  set.progress = [&](int64_t tick) {
-    const double done_s = double(tick) * 1e-3, took_s = double(RealClock::monotonic_ns() - began_ns) * 1e-9;
-    // A film and a replay take as long as they need: what is left goes by what was needed until now.
-    if (call.real_time || call.known_length_s <= 0 || done_s < 0.02 * call.known_length_s)
-      progress.show(done_s, call.known_length_s, "s");
-    else
-      progress.show(done_s, call.known_length_s,
-                    ("s, " + about_s(took_s * std::max(0.0, call.known_length_s / done_s - 1)) + " left").c_str());
-  };
+  set.progress = progress_line(call, progress);
   set.say = [&](const std::string& line) { progress.clear(), say(line); };
   if (window) set.gauges = &window->gauges(), set.pump = [&] { window->pump(); };
+  // On a virtual clock frames are samples of the picture, one a second.
+  if (!call.real_time) set.ticks_per_frame = film ? 1000 / call.film->frames_per_s : 1000;
+  // A recording that is whole says itself how it came to rest.
+  if (!call.real_time && taken && call.end_tick >= 0) set.settle_steps = 0;
+
+  // The session.
   SessionFigures f;
   std::vector<const Source*> devices;  // as in call.live_names
   Snapshot first;
   if (a.head && !call.common.out_dir.empty()) a.patient->fill_with_field(first);  // for the pictures
   std::optional<SessionFailure> failure;
-  try {
-    if (call.real_time) {
-      if (!call.live_sources.empty()) a.channels.press = std::make_shared<PressLine>();
-      f = run_realtime(a.lanes(recorder.get()), set, {}, [&](int64_t start_ns) {
-        for (const LiveSource& live : call.live_sources) {
-          auto source = live({start_ns, a.channels.press});
-          devices.push_back(source.get());
-          a.front.add(std::move(source));
-        }
-      });
-    } else {
-      set.ticks_per_frame = film ? 1000 / call.film->frames_per_s
-                                 : 1000;  // on a virtual clock frames are samples of the picture, one a second
-      if (taken && call.end_tick >= 0) set.settle_steps = 0;  // whole: it says itself how it came to rest
-      f = taken ? run_as_recorded(a.lanes(nullptr), set, call.schedule, *taken)
-                : run_lockstep(a.lanes(recorder.get()), set);
+  const auto connect = [&](int64_t start_ns) {
+    for (const LiveSource& live : call.live_sources) {
+      auto source = live({start_ns, a.channels.press});
+      devices.push_back(source.get());
+      a.front.add(std::move(source));
     }
+  };
+  if (call.real_time && !call.live_sources.empty()) a.channels.press = std::make_shared<PressLine>();
+  try {
+    f = call.real_time ? run_realtime(a.lanes(recorder.get()), set, {}, connect)
+        : taken        ? run_as_recorded(a.lanes(nullptr), set, call.schedule, *taken)
+                       : run_lockstep(a.lanes(recorder.get()), set);
   } catch (const SessionFailure& e) {
     failure = e;
   }
@@ -330,54 +397,26 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   if (failure) leave_failure(*failure, call, a, keep_after_failure(aside, recorder.get(), call.record_file));
   if (film) {
     film->close();
-    std::printf("film        %s, %d frames\n", call.film->file.c_str(), film->frames());
+    fmt::print("film        {}, {} frames\n", call.film->file, film->frames());
   }
 
+  // What it leaves.
   Result result(call.command, a.scene.name);
   fill_session(result, a, f, call.real_time, call.lesson ? &*call.lesson : nullptr);
   if (call.point) fill_operating_point(result, *call.point);
   fill_damage(result, call.damage);
   if (!call.real_time) compare_checkpoints(result, call, f);
-  const bool recording_failed = recorder && recorder->failed();
-  ResultStory story = made_by(call.reproduce);
-  story.repro = unless_empty(a.repro.files());
-  if (recording_failed) story.recording_error = recorder->error();
-  write_fields(result, "", story);
-  for (const Refusal& r : a.solver.refused()) {
-    const std::string t = fmt::format("{:.2f} s: ", r.t_s);
-    say(std::string(t) + r.command + " refused: " + r.reason);
-  }
-  for (const std::string& file : a.repro.files())
-    say("a refused cut can be tried again: limberg operate " + a.scene.name + " " + file);
-  if (!a.repro.error().empty()) say(a.repro.error());
-  if (!a.script_error.empty()) say("the session's script is cut short: " + a.script_error);
+  tell_story(result, call, a, recorder.get());
   tell_devices(result, call.live_names, devices);
   if (after) after(result, a);
+  const bool recording_failed = recorder && recorder->failed();
   const bool at_rest = f.interrupted || f.closed || a.solver.at_rest(1e-4);
   result.set_ok(at_rest && !recording_failed);
-
-  std::optional<InputError> unwritten;  // of a picture; the figures of the session are left even so
-  if (!call.common.out_dir.empty()) try {
-      Snapshot last;
-      a.patient->fill_with_field(last);  // with the tension
-      if (a.world->skin())
-        draw_report_pictures(call.common.out_dir, a.solver.stages(), last);
-      else if (a.head)
-        draw_head_pictures(call.common.out_dir, a.solver.stages(), first, last, scene_camera(a.scene), *a.head);
-      if (a.head) leave_head_figures(result, *a.head, call.common.out_dir, last, scene_camera(a.scene), a.workers);
-    } catch (const InputError& e) {
-      unwritten = e;
-    }
+  const std::optional<InputError> unwritten = leave_pictures(result, call, a, first);
   print_summary(call, a, f);
-  const std::string recorded_in = !recorder || recording_failed ? ""
-                                  : !aside                      ? call.record_file
-                                  : keep                        ? aside->keep()
-                                                                : "";
-  if (aside && !keep) aside->remove();
-  if (!recorded_in.empty())
-    std::printf("recording   %s, %lld samples\n", recorded_in.c_str(), static_cast<long long>(recorder->samples()));
+  leave_recording(aside, keep, call, recorder.get());
   leave_result(result, call.common);
-  if (unwritten) throw *unwritten;
+  if (unwritten) throw InputError(*unwritten);
   if (recording_failed) {
     say("the recording is cut short: " + recorder->error());
     return kBadInput;

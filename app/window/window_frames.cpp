@@ -352,12 +352,10 @@ struct WindowFrames::Impl {
     }
   }
 
-  void frame(const Snapshot& s, const ToolState& tool, Screen& screen) {
-    const int width = screen.width, height = screen.height;
-    ImGui::SetCurrentContext(panels);
+  /// Letters as large as they are drawn, so that they are sharp.
+  void fit_panels(int width, int height) {
     ImGuiIO& io = ImGui::GetIO();
-    if (const float wanted = desk_scale(width, height);
-        wanted != scale) {  // letters as large as they are drawn, so that they are sharp
+    if (const float wanted = desk_scale(width, height); wanted != scale) {
       scale = wanted;
       io.Fonts->Clear();
       choose_ui_font(kFontPx * scale);
@@ -366,8 +364,11 @@ struct WindowFrames::Impl {
     }
     io.DisplaySize = {float(width) / scale, float(height) / scale};
     io.DeltaTime = 1.0f / 30;
-    // One press or release a frame of a button, and of a key that the panels follow: they see each, however slow the
-    // frames are.
+  }
+
+  /// One press or release a frame of a button, and of a key that the panels follow: they see each, however slow the
+  /// frames are.
+  void take_waiting(const Snapshot& s, int width, int height) {
     for (bool clicked = false; !waiting.empty();) {
       const WindowEvent e = waiting.front();
       const bool counts = e.kind == WindowEvent::button || (e.kind == WindowEvent::key && imgui_key(e.code) >= 0);
@@ -378,15 +379,12 @@ struct WindowFrames::Impl {
       taken = std::max(taken, e.number);
       if (desk.state.head.pick) break;  // of what lay under the mouse when the key was pressed
     }
-    if (!first) first = s;
-    const bool showing = feed.showing;
-    if (s.topology) desk.state.head.see(s.topology->landmark, s.landmark_mm);
-    carry_out();
+  }
 
-    const View view = look(width, height);
-
+  /// What is to be seen: the patient, or the skull beside the one of another moment.
+  const RenderScene& build_scene(const Snapshot& s, const ToolState& tool) {
     ToolPose held = tool_pose(tool, glove);
-    if (!set.facts.own_device && desk.state.tool == Tool::none && !showing)
+    if (!set.facts.own_device && desk.state.tool == Tool::none && !feed.showing)
       held.visible = false;  // a mouse that looks around holds nothing
     const RenderScene& patient = builder.build(s, held);
     if (desk.state.directions) builder.add_stretch_glyphs(s);
@@ -397,54 +395,62 @@ struct WindowFrames::Impl {
                                                                         : skull.show(desk.state.head.beside, *first, s);
     desk.state.head.skull_word = skull.word();
     skull_shown = beside != nullptr;
-    const RenderScene& scene = beside ? skull_builder.build(*beside) : patient;
-    if (beside) skull_builder.show_field(beside->moved_mm);
-    if (gauges) {
-      const int64_t tick = LaneGauges::get(gauges->tick), samples = LaneGauges::get(gauges->samples);
-      if (tick - rate_tick >= 1000) {
-        samples_per_s = 1000.0 * double(samples - rate_samples) / double(tick - rate_tick);
-        const int64_t frames = LaneGauges::get(gauges->frames);
-        pictures_per_s = 1000.0 * double(frames - rate_frames) / double(tick - rate_tick);
-        rate_tick = tick, rate_samples = samples, rate_frames = frames;
-      }
-    }
+    if (!beside) return patient;
+    const RenderScene& scene = skull_builder.build(*beside);
+    skull_builder.show_field(beside->moved_mm);
+    distance.value = beside->moved_mm, distance.lo = 0, distance.hi = kSkullScale_mm;
+    distance.above =
+        std::any_of(distance.value.begin(), distance.value.end(), [](float d) { return double(d) > kSkullScale_mm; });
+    return scene;
+  }
 
+  void count_rates() {
+    if (!gauges) return;
+    const int64_t tick = LaneGauges::get(gauges->tick), samples = LaneGauges::get(gauges->samples);
+    if (tick - rate_tick < 1000) return;
+    samples_per_s = 1000.0 * double(samples - rate_samples) / double(tick - rate_tick);
+    const int64_t frames = LaneGauges::get(gauges->frames);
+    pictures_per_s = 1000.0 * double(frames - rate_frames) / double(tick - rate_tick);
+    rate_tick = tick, rate_samples = samples, rate_frames = frames;
+  }
+
+  void draw_panels(const Snapshot& s, const View& view, int width, int height) {
     DeskReading r;
     r.shown = &s, r.gauges = gauges, r.ruler = ruler.read(s);
     r.lesson_begun = feed.next_begun, r.showing = feed.showing, r.at_leisure = at_leisure && desk.state.quality == 0;
     r.field = field, r.samples_per_s = samples_per_s, r.pictures_per_s = pictures_per_s;
-    if (beside) {
+    if (skull_shown) {
       static constexpr SkinFieldLook kDistance{"Distance", "Distance from the other skull", "mm",
                                                ColourScale::magnitude, 1};
-      distance.value = beside->moved_mm, distance.lo = 0, distance.hi = kSkullScale_mm;
-      distance.above =
-          std::any_of(distance.value.begin(), distance.value.end(), [](float d) { return double(d) > kSkullScale_mm; });
       r.field = &distance, r.look = &kDistance;
     }
     if (set.facts.head) r.measures = &measures.read(s);
     if (set.facts.head) r.marks = marks(s, view, width, height);
     std::vector<Vec3f> ruler_px;
     for (const Vec3f& p : r.ruler.at_mm) ruler_px.push_back(view.to_pixel(p, width, height) / scale);
+    const ImVec2 size = ImGui::GetIO().DisplaySize;
     ImGui::NewFrame();
-    desk.draw(r, ruler_px, int(std::lround(io.DisplaySize.x)), int(std::lround(io.DisplaySize.y)));
+    desk.draw(r, ruler_px, int(std::lround(size.x)), int(std::lround(size.y)));
     ImGui::Render();
-    if (desk.state.head.pick) {  // now the panels know where the mouse is
-      constexpr int kHidden = 2;
-      const RayHit hit = io.WantCaptureMouse ? RayHit{}
-                                             : cast_ray(s, view.eye_mm, view.ray_through(x, y, width, height),
-                                                        desk.state.face == kHidden);
-      if (hit.triangle >= 0 || set.facts.own_device) {
-        const auto said = desk.state.head.picked(s, hit.triangle, hit.bary);
-        if (const auto* c = std::get_if<Command>(&said)) give(*c);
-        if (const auto* c = std::get_if<ControlSample>(&said)) feed.answers.push(*c);
-      } else {
-        desk.say("nothing lies under the mouse: point at bone or face and press K");
-      }
-      desk.state.head.pick = false;
-    }
-    carry_out();
+  }
 
-    const auto began = std::chrono::steady_clock::now();
+  /// Asked for by a key, and done once the panels know where the mouse is.
+  void pick(const Snapshot& s, const View& view, int width, int height) {
+    if (!desk.state.head.pick) return;
+    desk.state.head.pick = false;
+    constexpr int kHidden = 2;
+    RayHit hit;
+    if (!ImGui::GetIO().WantCaptureMouse)
+      hit = cast_ray(s, view.eye_mm, view.ray_through(x, y, width, height), desk.state.face == kHidden);
+    if (hit.triangle < 0 && !set.facts.own_device)
+      return desk.say("nothing lies under the mouse: point at bone or face and press K");
+    const auto said = desk.state.head.picked(s, hit.triangle, hit.bary);
+    if (const auto* c = std::get_if<Command>(&said)) give(*c);
+    if (const auto* c = std::get_if<ControlSample>(&said)) feed.answers.push(*c);
+  }
+
+  /// The patient, where it would look different or finer than it stands. True: it has changed.
+  bool paint_changed(const RenderScene& scene, const View& view, int width, int height) {
     if (desk.state.picture) {  // the patient alone, as well as it can be drawn
       paint_patient(scene, int(kQualityLevels.size()) - 1, width, height);
       save_picture(renderer->read());
@@ -466,11 +472,32 @@ struct WindowFrames::Impl {
       ++drawn;
       quiet = 0;
     }
+    return !same;
+  }
+
+  void frame(const Snapshot& s, const ToolState& tool, Screen& screen) {
+    const int width = screen.width, height = screen.height;
+    ImGui::SetCurrentContext(panels);
+    fit_panels(width, height);
+    take_waiting(s, width, height);
+    if (!first) first = s;
+    if (s.topology) desk.state.head.see(s.topology->landmark, s.landmark_mm);
+    carry_out();
+
+    const View view = look(width, height);
+    const RenderScene& scene = build_scene(s, tool);
+    count_rates();
+    draw_panels(s, view, width, height);
+    pick(s, view, width, height);
+    carry_out();
+
+    const auto began = std::chrono::steady_clock::now();
+    const bool changed = paint_changed(scene, view, width, height);
     renderer->compose(width, height);
     ui->paint(*ImGui::GetDrawData(), width, height);
     renderer->present(width, height);
     tell(view, width, height);
-    if (!same && desk.state.quality == 0)
+    if (changed && desk.state.quality == 0)
       ladder.frame(1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
     feed.keep_recording.store(desk.state.keep_recording, std::memory_order_relaxed);
     since_frame = 0;

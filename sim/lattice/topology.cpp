@@ -258,105 +258,125 @@ std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& pr
   return update_topology(previous, surface, true, workers, divide);
 }
 
+namespace {
+
+/// Which cells a change of the surface has touched, and what it has added there.
+struct Touches {
+  std::vector<int32_t> cell;                // ascending
+  bool material_has_gone = false;           // a face has lost a side, or a new wall has only one
+  std::vector<int32_t> place;               // per cell of the version before, its place in `cell`; -1: not touched
+  std::vector<int32_t> first;               // per touched cell and one more, where its faces begin
+  std::vector<int32_t> face;                // that were added, ascending in each cell
+  std::vector<CellBuilder::Layers> layers;  // per face that is new
+
+  /// All faces that may lie in a cell: those that lay there, and those that were added.
+  void candidates(const LatticeTopology& previous, int32_t in, std::vector<int32_t>& out) const {
+    if (const CellComponents* old = previous.components[size_t(in)].get())
+      out.insert(out.end(), old->face.begin(), old->face.end());
+    if (const int32_t at = place[size_t(in)]; at >= 0)
+      out.insert(out.end(), face.begin() + first[size_t(at)], face.begin() + first[size_t(at) + 1]);
+  }
+};
+
+/// Brings t's bits of the faces up to date on the way.
+Touches find_touches(LatticeTopology& t, const LatticeTopology& previous, const MaterialSurface& surface,
+                     LevelBuilders& builders) {
+  const size_t before = previous.face_bits.size(), now = surface.faces.size();
+  if (now < before) throw std::logic_error("the surface has lost faces since the lattice's last version");
+  Touches out;
+  out.layers.resize(now - before);
+  NumberSet cells(previous.components.size());
+  std::vector<std::pair<int32_t, int32_t>> added;  // cell, face; faces ascend
+  const auto look_at = [&](size_t f) {
+    const uint8_t was = f < before ? previous.face_bits[f] : uint8_t(0), is = bits_of(surface.faces[f]);
+    if (f >= before)
+      t.face_bits.push_back(is);
+    else if (was != is)
+      t.face_bits[f] = is;
+    if (was == is) return;
+    out.material_has_gone |=
+        (!surface.faces[f].retired && (was & ~is)) ||
+        (f >= before && is != 3 && surface.orig[size_t(surface.faces[f].orig)].op > previous.last_op);
+    const CellBuilder::Layers layers = builders[0].layers(int32_t(f));
+    if (f >= before) out.layers[f - before] = layers;
+    cells_around(t.tree, builders, int32_t(f), layers, [&](int32_t c) {
+      cells.add(c);
+      if (is && !was) added.push_back({c, int32_t(f)});
+    });
+  };
+  // Faces and their corners lie all over the surface's arrays: they are fetched ahead.
+  constexpr size_t kAhead = 8;
+  const std::vector<int32_t> suspects = surface.suspects(previous.operations, before);
+  const auto fetch_corners = [&](size_t f) {
+    for (int32_t v : surface.faces[f].v) surface.points->prefetch(v);
+  };
+  for (size_t i = 0; i < suspects.size(); ++i) {
+    if (i + 2 * kAhead < suspects.size()) __builtin_prefetch(&surface.faces[size_t(suspects[i + 2 * kAhead])]);
+    if (i + kAhead < suspects.size()) fetch_corners(size_t(suspects[i + kAhead]));
+    look_at(size_t(suspects[i]));
+  }
+  for (size_t f = before; f < now; ++f) {
+    if (f + kAhead < now) fetch_corners(f + kAhead);
+    look_at(f);
+  }
+  // The added faces by their cells.
+  out.cell = cells.ascending();
+  out.place.assign(previous.components.size(), -1);
+  for (size_t i = 0; i < out.cell.size(); ++i) out.place[size_t(out.cell[i])] = int32_t(i);
+  out.first.assign(out.cell.size() + 1, 0);
+  for (const auto& [cell, face] : added) ++out.first[size_t(out.place[size_t(cell)]) + 1];
+  for (size_t i = 0; i < out.cell.size(); ++i) out.first[i + 1] += out.first[i];
+  out.face.resize(added.size());
+  std::vector<int32_t> next(out.first.begin(), out.first.end() - 1);
+  for (const auto& [cell, face] : added) out.face[size_t(next[size_t(out.place[size_t(cell)])]++)] = face;
+  return out;
+}
+
+/// Nodes of cells and of their parts, where material has gone: each is asked whether it still lies in some.
+void classify_again(LatticeTopology& t, const LatticeTopology& previous, const MaterialSurface& surface,
+                    LevelBuilders& builders, const Touches& touches) {
+  t.node_in_material = classify_nodes(t.grid, surface);
+  const auto within = [&](auto&& self, int32_t cell, std::vector<int32_t>& out) -> void {
+    if (!t.tree.is_divided(cell)) return touches.candidates(previous, cell, out);
+    for (int k = 0; k < 8; ++k) self(self, t.tree.part(cell, k), out);
+  };
+  std::vector<int32_t> candidates;
+  for (size_t i = 0; i < t.tree.division.size(); ++i) {
+    const int32_t cell = std::as_const(t.tree.division)[i].cell;
+    candidates.clear();
+    within(within, cell, candidates);
+    std::sort(candidates.begin(), candidates.end());
+    candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
+    t.tree.division[i].node_in_material =
+        classify_parts(builders, t.tree.place(t.grid, cell), t.corners_in_material(cell), candidates);
+  }
+}
+
+}  // namespace
+
 std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& previous, const MaterialSurface& surface,
                                                        bool locally, Workers* workers, Divide divide) {
   const auto t = std::make_shared<LatticeTopology>(previous);
   t->hanging.clear();
   t->born.clear();
-  t->touched_cells = 0;
-  const CellTree& tree = t->tree;
   LevelBuilders builders(t->grid, surface);
-
-  // What has changed, where.
-  const size_t before = previous.face_bits.size(), now = surface.faces.size();
-  if (now < before) throw std::logic_error("the surface has lost faces since the lattice's last version");
-  NumberSet touches(previous.components.size());
-  std::vector<std::pair<int32_t, int32_t>> added;                // cell, face; faces ascend
-  std::vector<CellBuilder::Layers> layers_of_new(now - before);  // of those that are in the material
-  bool taken_away = false;
-  const auto look_at = [&](size_t f) {
-    const uint8_t was = f < before ? previous.face_bits[f] : uint8_t(0), is = bits_of(surface.faces[f]);
-    if (f >= before)
-      t->face_bits.push_back(is);
-    else if (was != is)
-      t->face_bits[f] = is;
-    if (was == is) return;
-    // Material is gone where a face has lost a side, or a new wall has only one.
-    taken_away = taken_away || (!surface.faces[f].retired && (was & ~is));
-    taken_away =
-        taken_away || (f >= before && is != 3 && surface.orig[size_t(surface.faces[f].orig)].op > previous.last_op);
-    const CellBuilder::Layers layers = builders[0].layers(int32_t(f));
-    if (f >= before) layers_of_new[f - before] = layers;
-    cells_around(tree, builders, int32_t(f), layers, [&](int32_t c) {
-      touches.add(c);
-      if (is && !was) added.push_back({c, int32_t(f)});
-    });
-  };
-  {  // faces and their corners lie all over the surface's arrays: fetched ahead
-    constexpr size_t kAhead = 8;
-    const std::vector<int32_t> suspects = surface.suspects(previous.operations, before);
-    const auto corners_of = [&](size_t f) {
-      for (int32_t v : surface.faces[f].v) surface.points->prefetch(v);
-    };
-    for (size_t i = 0; i < suspects.size(); ++i) {
-      if (i + 2 * kAhead < suspects.size()) __builtin_prefetch(&surface.faces[size_t(suspects[i + 2 * kAhead])]);
-      if (i + kAhead < suspects.size()) corners_of(size_t(suspects[i + kAhead]));
-      look_at(size_t(suspects[i]));
-    }
-    for (size_t f = before; f < now; ++f) {
-      if (f + kAhead < now) corners_of(f + kAhead);
-      look_at(f);
-    }
-  }
+  const Touches touches = find_touches(*t, previous, surface, builders);
+  const std::vector<int32_t>& touched = touches.cell;
   t->last_op = surface.orig.empty() ? 0 : surface.orig.back().op;
   t->operations = surface.operations();
-  const std::vector<int32_t> touched = touches.ascending();
-  // Faces added in each touched cell.
-  std::vector<int32_t> place(previous.components.size(), -1), added_begin(touched.size() + 1, 0),
-      added_face(added.size());
-  for (size_t i = 0; i < touched.size(); ++i) place[size_t(touched[i])] = int32_t(i);
-  for (const auto& [cell, face] : added) ++added_begin[size_t(place[size_t(cell)]) + 1];
-  for (size_t i = 0; i < touched.size(); ++i) added_begin[i + 1] += added_begin[i];
-  {
-    std::vector<int32_t> next(added_begin.begin(), added_begin.end() - 1);
-    for (const auto& [cell, face] : added) added_face[size_t(next[size_t(place[size_t(cell)])]++)] = face;
-  }
-
-  auto candidates_of = [&](int32_t cell, std::vector<int32_t>& out) {
-    if (const CellComponents* old = previous.components[size_t(cell)].get())
-      out.insert(out.end(), old->face.begin(), old->face.end());
-    const int32_t at = place[size_t(cell)];
-    if (at >= 0)
-      out.insert(out.end(), added_face.begin() + added_begin[size_t(at)],
-                 added_face.begin() + added_begin[size_t(at) + 1]);
-  };
-  auto candidates_within = [&](auto&& self, int32_t cell, std::vector<int32_t>& out) -> void {
-    if (!tree.is_divided(cell)) return candidates_of(cell, out);
-    for (int k = 0; k < 8; ++k) self(self, tree.part(cell, k), out);
-  };
-  if (taken_away) {  // else nodes are in the material that were, and so are the parts' corners
-    t->node_in_material = classify_nodes(t->grid, surface);
-    std::vector<int32_t> candidates;
-    for (size_t i = 0; i < tree.division.size(); ++i) {
-      const int32_t cell = tree.division[i].cell;
-      candidates.clear();
-      candidates_within(candidates_within, cell, candidates);
-      std::sort(candidates.begin(), candidates.end());
-      candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
-      t->tree.division[i].node_in_material =
-          classify_parts(builders, tree.place(t->grid, cell), t->corners_in_material(cell), candidates);
-    }
-  }
-  find_components(*t, previous, surface, touched, candidates_of, layers_of_new, !taken_away, workers);
   t->touched_cells = int(touched.size());
+  // Where no material has gone, nodes are in the material that were, and so are the parts' corners.
+  if (touches.material_has_gone) classify_again(*t, previous, surface, builders, touches);
+  const auto candidates_of = [&](int32_t cell, std::vector<int32_t>& out) { touches.candidates(previous, cell, out); };
+  find_components(*t, previous, surface, touched, candidates_of, touches.layers, !touches.material_has_gone, workers);
 
   NewParts parts;
   parts.known = previous.tree.ids();
   std::vector<uint8_t> marks = marks_of(*t, touched, parts);
-  if (taken_away) {  // what is left names its parents first, and is divided then
+  if (touches.material_has_gone) {  // what is left names its parents first, and is divided then
     std::vector<int32_t> changed = touched;
     for (size_t c = 0; c < marks.size(); ++c) {  // full cells that are empty now
-      if (previous.components[c] || marks[c] || tree.is_divided(int32_t(c))) continue;
+      if (previous.components[c] || marks[c] || t->tree.is_divided(int32_t(c))) continue;
       if (previous.corners_in_material(int32_t(c)) != t->corners_in_material(int32_t(c)))
         marks[c] = 1, changed.push_back(int32_t(c));
     }

@@ -61,6 +61,7 @@ class CutBuilder {
     std::vector<int32_t> old;     // ascending
     bool has(int32_t p) const;
   };
+  NeededPoints find_needed();
   /// A triangle of which not all sub-edges are needed: divides it again, by those that are.
   Outcome divide_finally(uint32_t touched, const NeededPoints& needed_points);
   /// Division i of `from` becomes that of this original triangle.
@@ -68,6 +69,16 @@ class CutBuilder {
   void retire_replaced(int32_t orig, std::span<const PlanarSplit::Piece> pieces);
   /// Sets the mates at the inner edges of a division whose faces are these.
   void glue_inside(std::span<const int32_t> face, std::span<const PlanarSplit::Piece> pieces);
+
+  /// The kept pieces of the blade, as divisions of its triangles.
+  void write_walls();
+  /// What the cut has removed and added, into the edge map and the running sums; after making room without a failure.
+  void enter_edges();
+  /// At every edge that has changed. Null, or the contradiction.
+  const char* glue_changed();
+  /// Null, or which one: the divided surface encloses the same volume, every side that faces material is glued all
+  /// round, junctions are edges of both triangles that they join.
+  const char* broken_invariant() const;
 
   ArrangementStore& store_;
   const Blade& blade_;

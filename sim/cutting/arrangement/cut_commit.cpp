@@ -5,6 +5,12 @@
 
 namespace limberg {
 
+namespace {
+
+constexpr size_t kFetchAhead = 8;  // faces and edges that are fetched while others are worked on
+
+}  // namespace
+
 bool CutBuilder::NeededPoints::has(int32_t p) const {
   return p >= first_new ? is_new[size_t(p - first_new)] != 0 : std::binary_search(old.begin(), old.end(), p);
 }
@@ -135,8 +141,7 @@ void CutBuilder::write_division(int32_t o, Divisions& from, size_t which) {
   store_.division[size_t(orig.split)] = d;
 }
 
-CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
-  // What the kept patches are bounded by.
+CutBuilder::NeededPoints CutBuilder::find_needed() {
   NeededPoints needed_points;
   needed_points.first_new = delta_.points;
   needed_points.is_new.assign(size_t(store_.points.size() - delta_.points), 0);
@@ -173,11 +178,89 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
     if (b.needed && touched_[b.touched].in_part)
       room_.needed.push_back({b.touched, std::min(b.a, b.b), std::max(b.a, b.b)});
   std::sort(room_.needed.begin(), room_.needed.end());
+  return needed_points;
+}
+
+void CutBuilder::write_walls() {
+  const size_t walls_from = store_.face.size();
+  for (size_t i = 0; i < blade_divided_.size(); ++i) {
+    const auto pieces = blade_divided_.pieces(i);
+    for (size_t t = 0; t < pieces.size(); ++t)
+      pieces[t].mat = keep_[blade_divided_.first_piece(i) + t] ? kMaterialPlus | kMaterialMinus : 0;
+    // Junctions between two pieces that were not kept are none: nothing ends there.
+    blade_divided_.forget_dead_junctions(i);
+    write_division(first_orig_ + int32_t(i), blade_divided_, i);
+  }
+  for (int32_t f : store_.last.added)
+    if (size_t(f) >= walls_from) store_.last.new_walls.push_back(f);
+}
+
+// The edge map is large and met in no order: what comes next is fetched ahead.
+void CutBuilder::enter_edges() {
+  const auto& removed = store_.last.removed;
+  const auto& added = store_.last.added;
+  store_.edges.make_room(2 * removed.size() + added.size(), int32_t(store_.face.size()) - 1);  // and for a way back
+  in_edges_ = true;
+  const auto prefetch = [&](const Face& f) { store_.edges.prefetch(f.v, f.outer()); };
+  for (size_t i = 0; i < removed.size(); ++i) {
+    if (i + kFetchAhead < removed.size()) prefetch(store_.face[size_t(removed[i + kFetchAhead])]);
+    const Face& f = store_.face[size_t(removed[i])];
+    store_.edges.remove(removed[i], f.v, f.outer());
+  }
+  for (size_t i = 0; i < added.size(); ++i) {
+    if (i + kFetchAhead < added.size()) prefetch(store_.face[size_t(added[i + kFetchAhead])]);
+    const Face& f = store_.face[size_t(added[i])];
+    store_.edges.add(added[i], f.v, f.outer());
+  }
+  store_.edges.end_changes();
+  for (int32_t f : removed) store_.account_sums(f, false);
+  for (int32_t f : added) store_.account_sums(f, true);
+}
+
+const char* CutBuilder::glue_changed() {
+  const auto changed = store_.edges.changed();
+  for (size_t i = 0; i < changed.size(); ++i) {
+    if (i + kFetchAhead < changed.size())
+      if (const int32_t h = store_.edges.first(changed[i + kFetchAhead]); h >= 0) {
+        __builtin_prefetch(&store_.face[size_t(h / 3)]);
+        __builtin_prefetch(&store_.mate[size_t(h / 3)], 1);
+      }
+    const auto [a, b] = store_.edges.edge(changed[i]);
+    if (const char* why = store_.glue_edge(a, b, store_.edges.first(changed[i]), &delta_)) return why;
+  }
+  return nullptr;
+}
+
+const char* CutBuilder::broken_invariant() const {
+  if (store_.volume_residue != delta_.volume_residue) return "the volume changed";
+  Projection view;
+  int32_t viewed = -1;
+  for (size_t f = size_t(delta_.faces); f < store_.face.size(); ++f) {
+    const Face& face = store_.face[f];
+    const Plane& plane = store_.orig[size_t(face.orig)].plane;
+    if (face.orig != viewed) view = Projection(plane), viewed = face.orig;
+    if (store_.points.turn(plane, view, face.v[0], face.v[1], face.v[2]) <= 0) return "a face without area";
+  }
+  for (int32_t f : store_.last.added)
+    for (int side = 0; side < 2; ++side)
+      for (size_t k = 0; k < 3; ++k) {
+        const int32_t h = sided_half_edge(sided_face(f, side), int(k));
+        const int32_t m = store_.mate[f][size_t(3 * side) + k];
+        if ((m >= 0) != store_.face[f].has_side(side) || (m >= 0 && store_.mate[m / 6][size_t(m % 6)] != h))
+          return "the surface does not close";
+      }
+  for (const Barrier& b : barrier_)
+    if (b.needed && store_.edges.first(b.a, b.b) < 0) return "a junction is missing";
+  return nullptr;
+}
+
+CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
+  const NeededPoints needed = find_needed();
   for (size_t i = 0; i < touched_.size(); ++i)
-    if (touched_[i].in_part && divide_finally(uint32_t(i), needed_points) != ok)
+    if (touched_[i].in_part && divide_finally(uint32_t(i), needed) != ok)
       return fail(coincidence, "a needed junction could not be kept");
 
-  // Commit. From here on a failure is taken back through delta_.
+  // From here on a failure is taken back through delta_.
   store_.points.settle();
   store_.make_room_in_history();
   store_.edges.begin_changes();
@@ -190,72 +273,10 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
       write_division(touched_[i].orig, room_.divided, touched_[i].division);
       if (store_.points.fails()) return fail(coincidence, "made to fail");
     }
-  const size_t walls_from = store_.face.size();
-  for (size_t i = 0; i < blade_divided_.size(); ++i) {
-    const auto pieces = blade_divided_.pieces(i);
-    for (size_t t = 0; t < pieces.size(); ++t)
-      pieces[t].mat = keep_[blade_divided_.first_piece(i) + t] ? kMaterialPlus | kMaterialMinus : 0;
-    // Junctions between two pieces that were not kept are none: nothing ends there.
-    blade_divided_.forget_dead_junctions(i);
-    write_division(first_orig_ + int32_t(i), blade_divided_, i);
-  }
-  for (int32_t f : store_.last.added)
-    if (size_t(f) >= walls_from) store_.last.new_walls.push_back(f);
-
-  // The edge map is large and met in no order: what comes next is fetched ahead.
-  constexpr size_t kAhead = 8;
-  const auto& removed = store_.last.removed;
-  const auto& added = store_.last.added;
-  store_.edges.make_room(2 * removed.size() + added.size(), int32_t(store_.face.size()) - 1);  // and for a way back
-  in_edges_ = true;
-  const auto prefetch = [&](const Face& f) { store_.edges.prefetch(f.v, f.outer()); };
-  for (size_t i = 0; i < removed.size(); ++i) {
-    if (i + kAhead < removed.size()) prefetch(store_.face[size_t(removed[i + kAhead])]);
-    const Face& f = store_.face[size_t(removed[i])];
-    store_.edges.remove(removed[i], f.v, f.outer());
-  }
-  for (size_t i = 0; i < added.size(); ++i) {
-    if (i + kAhead < added.size()) prefetch(store_.face[size_t(added[i + kAhead])]);
-    const Face& f = store_.face[size_t(added[i])];
-    store_.edges.add(added[i], f.v, f.outer());
-  }
-  store_.edges.end_changes();
-  for (int32_t f : removed) store_.account_sums(f, false);
-  for (int32_t f : added) store_.account_sums(f, true);
-  const auto changed = store_.edges.changed();
-  for (size_t i = 0; i < changed.size(); ++i) {
-    if (i + kAhead < changed.size())
-      if (const int32_t h = store_.edges.first(changed[i + kAhead]); h >= 0) {
-        __builtin_prefetch(&store_.face[size_t(h / 3)]);
-        __builtin_prefetch(&store_.mate[size_t(h / 3)], 1);
-      }
-    const auto [a, b] = store_.edges.edge(changed[i]);
-    if (const char* why = store_.glue_edge(a, b, store_.edges.first(changed[i]), &delta_))
-      return fail(coincidence, why);
-  }
-
-  // Local invariants: the divided surface encloses the same volume, every side that faces material is glued all round,
-  // junctions are edges of both triangles that they join.
-  if (store_.volume_residue != delta_.volume_residue) return fail(coincidence, "the volume changed");
-  Projection view;
-  int32_t viewed = -1;
-  for (size_t f = size_t(delta_.faces); f < store_.face.size(); ++f) {
-    const Face& face = store_.face[f];
-    const Plane& plane = store_.orig[size_t(face.orig)].plane;
-    if (face.orig != viewed) view = Projection(plane), viewed = face.orig;
-    if (store_.points.turn(plane, view, face.v[0], face.v[1], face.v[2]) <= 0)
-      return fail(coincidence, "a face without area");
-  }
-  for (int32_t f : store_.last.added)
-    for (int side = 0; side < 2; ++side)
-      for (size_t k = 0; k < 3; ++k) {
-        const int32_t h = sided_half_edge(sided_face(f, side), int(k));
-        const int32_t m = store_.mate[f][size_t(3 * side) + k];
-        if ((m >= 0) != store_.face[f].has_side(side) || (m >= 0 && store_.mate[m / 6][size_t(m % 6)] != h))
-          return fail(coincidence, "the surface does not close");
-      }
-  for (const Barrier& b : barrier_)
-    if (b.needed && store_.edges.first(b.a, b.b) < 0) return fail(coincidence, "a junction is missing");
+  write_walls();
+  enter_edges();
+  if (const char* why = glue_changed()) return fail(coincidence, why);
+  if (const char* why = broken_invariant()) return fail(coincidence, why);
 
   store_.plant();
   std::sort(store_.last.removed.begin(), store_.last.removed.end());  // new faces have ascending names

@@ -142,10 +142,202 @@ std::string drop(const Patch& p, const Bvh& bvh, double farthest, std::vector<Ve
   return "the two regions do not lie opposite to one another: layers between them would fold";
 }
 
+/// Nodes in layers from the bone to the face, and three tetrahedra a prism.
+std::string stack_layers(const Patch& p, const std::vector<Vec3>& bottom, Tissue& t) {
+  const int32_t n = int32_t(p.top.size());
+  for (int32_t l = 0; l <= t.layers; ++l)
+    for (int32_t i = 0; i < n; ++i) {
+      const double w = double(l) / t.layers;
+      t.node_mm.push_back((1 - w) * bottom[size_t(i)] + w * p.top[size_t(i)]);
+    }
+  for (int32_t l = 0; l < t.layers; ++l)
+    for (Tri v : p.tri) {
+      std::sort(v.begin(), v.end());
+      const int32_t a = l * n, b = (l + 1) * n;
+      for (Tet q : {Tet{a + v[0], a + v[1], a + v[2], b + v[2]}, Tet{a + v[0], a + v[1], b + v[1], b + v[2]},
+                    Tet{a + v[0], b + v[0], b + v[1], b + v[2]}}) {
+        const auto at = [&](size_t k) -> const Vec3& { return t.node_mm[size_t(q[k])]; };
+        if (volume6(at(0), at(1), at(2), at(3)) < 0) std::swap(q[0], q[1]);
+        if (!(volume6(at(0), at(1), at(2), at(3)) > 0))
+          return "the two regions do not lie opposite to one another: a layer between them would have no thickness";
+        t.tet.push_back(q);
+      }
+    }
+  return "";
+}
+
+/// A triangle of a tetrahedron: two tetrahedra share one, or it lies on the boundary.
+using Nodes3 = std::array<int32_t, 3>;  // ascending
 struct Facet {
-  std::array<int32_t, 3> key;
+  Nodes3 key;
   int32_t tet, k;
 };
+
+std::vector<Facet> facets_of(const std::vector<Tet>& tet) {
+  std::vector<Facet> facet;
+  for (int32_t i = 0; i < int32_t(tet.size()); ++i)
+    for (int32_t k = 0; k < 4; ++k) {
+      Nodes3 key{};
+      for (int32_t j = 0, c = 0; j < 4; ++j)
+        if (j != k) key[size_t(c++)] = tet[size_t(i)][size_t(j)];
+      std::sort(key.begin(), key.end());
+      facet.push_back({key, i, k});
+    }
+  std::sort(facet.begin(), facet.end(),
+            [](const Facet& a, const Facet& b) { return a.key != b.key ? a.key < b.key : a.tet < b.tet; });
+  return facet;
+}
+
+/// Where the tissue stands on: the triangles of the skull's faces, and which of them it may reach.
+struct Ground {
+  const Mesh& skull;
+  FanTriangles fan;
+  Bvh bvh;
+};
+
+/// The foot of a boundary vertex, carried by three vertices of the skull. The fan's centre is none of them: the triangle
+/// of a face's vertices that is nearest to the foot carries it.
+BoneAnchor anchor_at(const Ground& g, int32_t vertex, const Vec3& foot, int32_t triangle) {
+  const Mesh& skull = g.skull;
+  BoneAnchor a;
+  a.vertex = vertex;
+  const std::vector<int32_t> ring = skull.ring(g.fan.face[size_t(triangle)]);
+  const Tri& ft = g.fan.tri[size_t(triangle)];
+  const size_t at = size_t(std::find(ring.begin(), ring.end(), ft[1]) - ring.begin());
+  a.skull[0] = ft[1], a.skull[1] = ft[2], a.skull[2] = ring[(at + 1 + ring.size() / 2) % ring.size()];
+  const Vec3 &A = skull.x_mm[size_t(a.skull[0])], &B = skull.x_mm[size_t(a.skull[1])],
+             &C = skull.x_mm[size_t(a.skull[2])];
+  const LocalFrame f = local_frame(foot, A, B, C);
+  for (size_t k = 0; k < 3; ++k) a.weight[k] = f.e[k];
+  a.height_mm = f.L_mm;
+  a.axes = axes_of(a, skull);
+  return a;
+}
+
+/// The dual of the tetrahedra: a vertex for each of them and for each triangle of the boundary, an edge across each
+/// triangle and each edge of the boundary. Edges carry the area that they cross, for their stiffness.
+class Dual {
+ public:
+  Dual(Tissue& tissue, const Mesh& face, std::span<const int32_t> region, const Patch& patch, const Ground& ground,
+       const std::vector<uint8_t>& hovers)
+      : t_(tissue), face_(face), ground_(ground), hovers_(hovers), n_(int32_t(patch.top.size())) {
+    for (size_t i = 0; i < region.size(); ++i) {
+      Nodes3 key = patch.tri[i];
+      for (int32_t& v : key) v += t_.layers * n_;
+      std::sort(key.begin(), key.end());
+      top_[key] = region[i];
+    }
+  }
+
+  std::string build() {
+    for (const Tet& q : t_.tet) {
+      Vec3 c = Vec3::Zero();
+      for (int32_t v : q) c += 0.25 * t_.node_mm[size_t(v)];
+      add(c, TissueRole::inside);
+    }
+    const std::vector<Facet> facet = facets_of(t_.tet);
+    for (size_t i = 0; i < facet.size();) {
+      const Facet& f = facet[i];
+      if (i + 1 == facet.size() || facet[i + 1].key != f.key) {
+        add_boundary(f);
+        ++i;
+        continue;
+      }
+      if (i + 2 < facet.size() && facet[i + 2].key == f.key) return kFolds;
+      join(f.tet, size_t(f.k), facet[i + 1].tet, size_t(facet[i + 1].k), area(f.key));
+      i += 2;
+    }
+    return join_boundary();
+  }
+
+ private:
+  static constexpr const char* kFolds = "the region of the face folds onto itself";
+
+  double area(const Nodes3& f) const {
+    const auto x = [&](size_t k) -> const Vec3& { return t_.node_mm[size_t(f[k])]; };
+    return 0.5 * (x(1) - x(0)).cross(x(2) - x(0)).norm();
+  }
+  void add(const Vec3& x, TissueRole r) {
+    t_.nbr.push_back({-1, -1, -1, -1});
+    t_.x_mm.push_back(x), t_.role.push_back(r);
+    t_.rest_mm.push_back({}), t_.k_mN_per_mm.push_back({1, 1, 1, 1});
+  }
+  void join(int32_t a, size_t slot_a, int32_t b, size_t slot_b, double A) {
+    t_.nbr[size_t(a)][slot_a] = b, t_.nbr[size_t(b)][slot_b] = a;
+    t_.k_mN_per_mm[size_t(a)][slot_a] = t_.k_mN_per_mm[size_t(b)][slot_b] = A;
+  }
+  void add_boundary(const Facet& f) {
+    const int32_t b = t_.vertices();
+    const bool over = f.key[0] >= t_.layers * n_, under = f.key[2] < n_;
+    Vec3 c = Vec3::Zero();
+    for (int32_t v : f.key) c += t_.node_mm[size_t(v)] / 3;
+    add(c, over ? TissueRole::face : under ? TissueRole::skull : TissueRole::side);
+    boundary_.push_back(f.key);
+    join(f.tet, size_t(f.k), b, 0, area(f.key));
+    if (over) {
+      t_.link.push_back({b, top_.at(f.key)});
+      t_.x_mm.back() = face_.x_mm[size_t(t_.link.back().second)];
+    }
+    if (under) {
+      const Bvh::Closest q = ground_.bvh.closest(c);
+      const bool over_bone = hovers_[size_t(f.key[0])] || hovers_[size_t(f.key[1])] || hovers_[size_t(f.key[2])];
+      t_.x_mm.back() = over_bone ? c : q.point_mm;
+      t_.anchor.push_back(anchor_at(ground_, b, t_.x_mm.back(), q.triangle));
+    }
+    for (const auto& [u, v] : {std::pair{0, 1}, {1, 2}, {0, 2}})
+      rim_[{f.key[size_t(u)], f.key[size_t(v)]}].push_back(b);  // keys are sorted
+  }
+  std::string join_boundary() {
+    std::vector<size_t> used(t_.nbr.size(), 1);
+    const int32_t tets = int32_t(t_.tet.size());
+    for (const auto& [e, two] : rim_) {
+      if (two.size() != 2) return kFolds;
+      // The primal triangle that such an edge crosses has no area of its own: a third of its two facets stands for it.
+      const double A = (area(boundary_[size_t(two[0] - tets)]) + area(boundary_[size_t(two[1] - tets)])) / 6;
+      join(two[0], used[size_t(two[0])]++, two[1], used[size_t(two[1])]++, A);
+    }
+    return "";
+  }
+
+  Tissue& t_;
+  const Mesh& face_;
+  const Ground& ground_;
+  const std::vector<uint8_t>& hovers_;
+  const int32_t n_;                                             // nodes of a layer
+  std::map<Nodes3, int32_t> top_;                               // triangle of the face's side -> vertex of the face
+  std::map<std::array<int32_t, 2>, std::vector<int32_t>> rim_;  // boundary edge -> boundary vertices
+  std::vector<Nodes3> boundary_;                                // nodes of boundary vertex i + tets
+};
+
+/// Smooths the dual with its ends held, and takes that as its shape at rest.
+void settle(Tissue& t, const Mesh& face, const Mesh& skull, Workers& workers) {
+  t.before_mm = t.x_mm;
+  record_rest(t);
+  follow(t, face, skull);
+  TissueLaw smooth;
+  smooth.mode = TissueKind::smoothing, smooth.alpha = 1;
+  for (int i = 0; i < 400; ++i)
+    if (step(t, smooth, workers).max_move_mm < 1e-4) break;
+  t.before_mm = t.x_mm;
+  record_rest(t);
+}
+
+/// From the areas that edges cross to their stiffness. Young's modulus over an edge is the mean of its two ends'; a
+/// boundary vertex has that of its tetrahedron.
+void stiffen(Tissue& t, const TissueSettings& s) {
+  const double skin = s.skin_kPa > 0 ? s.skin_kPa : s.young_kPa;
+  const size_t under_skin = t.tet.size() / size_t(s.layers) * size_t(s.layers - 1);
+  const int32_t tets = int32_t(t.tet.size());
+  const auto young = [&](int32_t v) {
+    return size_t(v < tets ? v : t.nbr[size_t(v)][0]) >= under_skin ? skin : s.young_kPa;
+  };
+  for (size_t v = 0; v < t.nbr.size(); ++v)
+    for (size_t k = 0; k < 4; ++k) {
+      const double l = t.rest_mm[v][k];
+      t.k_mN_per_mm[v][k] =
+          s.young_kPa > 0 && l > 0 ? 0.5 * (young(int32_t(v)) + young(t.nbr[v][k])) * t.k_mN_per_mm[v][k] / l : 1;
+    }
+}
 
 }  // namespace
 
@@ -182,7 +374,7 @@ TissueResult build_tissue(const Mesh& face, std::span<const int32_t> region, con
   if (!(s.max_thickness_mm > 0)) return refuse("the largest thickness must be above 0 mm");
   Patch p;
   if (std::string why = make_patch(face, region, p); !why.empty()) return refuse(why);
-  const FanTriangles fan = fan_triangles(skull);
+  FanTriangles fan = fan_triangles(skull);
   std::vector<int32_t> subset;
   if (!skull_region.empty()) {
     std::vector<uint8_t> in(skull.face_edge.size(), 0);
@@ -196,148 +388,18 @@ TissueResult build_tissue(const Mesh& face, std::span<const int32_t> region, con
   }
   if (fan.tri.empty() || (!skull_region.empty() && subset.empty()))
     return refuse("the region of the skull has no surface");
-  const Bvh bvh(fan.X_mm, fan.tri, subset);
+  Bvh bvh(fan.X_mm, fan.tri, subset);
+  const Ground ground{skull, std::move(fan), std::move(bvh)};
   std::vector<Vec3> bottom;
   std::vector<uint8_t> hovers;
-  if (std::string why = drop(p, bvh, s.max_thickness_mm, bottom, hovers); !why.empty()) return refuse(why);
+  if (std::string why = drop(p, ground.bvh, s.max_thickness_mm, bottom, hovers); !why.empty()) return refuse(why);
 
   Tissue& t = out.tissue;
   t.layers = s.layers;
-  const int32_t n = int32_t(p.top.size());
-  for (int32_t l = 0; l <= s.layers; ++l)
-    for (int32_t i = 0; i < n; ++i) {
-      const double w = double(l) / s.layers;
-      t.node_mm.push_back((1 - w) * bottom[size_t(i)] + w * p.top[size_t(i)]);
-    }
-  for (int32_t l = 0; l < s.layers; ++l)
-    for (Tri v : p.tri) {
-      std::sort(v.begin(), v.end());
-      const int32_t a = l * n, b = (l + 1) * n;
-      for (Tet q : {Tet{a + v[0], a + v[1], a + v[2], b + v[2]}, Tet{a + v[0], a + v[1], b + v[1], b + v[2]},
-                    Tet{a + v[0], b + v[0], b + v[1], b + v[2]}}) {
-        const auto at = [&](size_t k) -> const Vec3& { return t.node_mm[size_t(q[k])]; };
-        if (volume6(at(0), at(1), at(2), at(3)) < 0) std::swap(q[0], q[1]);
-        if (!(volume6(at(0), at(1), at(2), at(3)) > 0))
-          return refuse(
-              "the two regions do not lie opposite to one another: a layer between them would have no thickness");
-        t.tet.push_back(q);
-      }
-    }
-  // Facets, by their nodes: two tetrahedra share one, or it lies on the boundary.
-  std::vector<Facet> facet;
-  for (int32_t i = 0; i < int32_t(t.tet.size()); ++i)
-    for (int32_t k = 0; k < 4; ++k) {
-      std::array<int32_t, 3> key{};
-      for (int32_t j = 0, c = 0; j < 4; ++j)
-        if (j != k) key[size_t(c++)] = t.tet[size_t(i)][size_t(j)];
-      std::sort(key.begin(), key.end());
-      facet.push_back({key, i, k});
-    }
-  std::sort(facet.begin(), facet.end(),
-            [](const Facet& a, const Facet& b) { return a.key != b.key ? a.key < b.key : a.tet < b.tet; });
-  const auto add = [&](const Vec3& x, TissueRole r) {
-    t.nbr.push_back({-1, -1, -1, -1});
-    t.x_mm.push_back(x), t.role.push_back(r);
-    t.rest_mm.push_back({}), t.k_mN_per_mm.push_back({1, 1, 1, 1});
-  };
-  for (const Tet& q : t.tet) {
-    Vec3 c = Vec3::Zero();
-    for (int32_t v : q) c += 0.25 * t.node_mm[size_t(v)];
-    add(c, TissueRole::inside);
-  }
-  std::vector<std::array<int32_t, 3>>
-      crossed;  // nodes of the triangle that an edge tet - tet or tet - boundary crosses
-  std::map<std::array<int32_t, 3>, int32_t> top;
-  for (size_t i = 0; i < region.size(); ++i) {
-    std::array<int32_t, 3> key{p.tri[i][0] + s.layers * n, p.tri[i][1] + s.layers * n, p.tri[i][2] + s.layers * n};
-    std::sort(key.begin(), key.end());
-    top[key] = region[i];
-  }
-  const auto area = [&](const std::array<int32_t, 3>& f) {
-    return 0.5 * (t.node_mm[size_t(f[1])] - t.node_mm[size_t(f[0])])
-                     .cross(t.node_mm[size_t(f[2])] - t.node_mm[size_t(f[0])])
-                     .norm();
-  };
-  std::map<std::array<int32_t, 2>, std::vector<int32_t>> rim;  // boundary edge -> boundary vertices
-  std::vector<std::array<int32_t, 3>> boundary;                // nodes of boundary vertex i + tets
-  const auto join = [&](int32_t a, size_t slot_a, int32_t b, size_t slot_b, double A) {
-    t.nbr[size_t(a)][slot_a] = b, t.nbr[size_t(b)][slot_b] = a;
-    t.k_mN_per_mm[size_t(a)][slot_a] = t.k_mN_per_mm[size_t(b)][slot_b] = A;
-  };
-  for (size_t i = 0; i < facet.size();) {
-    const Facet& f = facet[i];
-    if (i + 1 < facet.size() && facet[i + 1].key == f.key) {
-      if (i + 2 < facet.size() && facet[i + 2].key == f.key) return refuse("the region of the face folds onto itself");
-      join(f.tet, size_t(f.k), facet[i + 1].tet, size_t(facet[i + 1].k), area(f.key));
-      i += 2;
-      continue;
-    }
-    const int32_t b = t.vertices();
-    const bool over = f.key[0] >= s.layers * n, under = f.key[2] < n;
-    Vec3 c = Vec3::Zero();
-    for (int32_t v : f.key) c += t.node_mm[size_t(v)] / 3;
-    add(c, over ? TissueRole::face : under ? TissueRole::skull : TissueRole::side);
-    boundary.push_back(f.key);
-    join(f.tet, size_t(f.k), b, 0, area(f.key));
-    if (over) {
-      t.link.push_back({b, top.at(f.key)});
-      t.x_mm.back() = face.x_mm[size_t(t.link.back().second)];
-    }
-    if (under) {
-      const Bvh::Closest q = bvh.closest(c);
-      const bool over_bone = hovers[size_t(f.key[0])] || hovers[size_t(f.key[1])] || hovers[size_t(f.key[2])];
-      const Vec3 foot = over_bone ? c : q.point_mm;
-      t.x_mm.back() = foot;
-      BoneAnchor a;
-      a.vertex = b;
-      // The fan's centre is not a vertex of the skull: carried by
-      // the triangle of a face's vertices that is nearest to it.
-      const int32_t f0 = fan.face[size_t(q.triangle)];
-      const std::vector<int32_t> ring = skull.ring(f0);
-      const Tri& ft = fan.tri[size_t(q.triangle)];
-      const size_t at = size_t(std::find(ring.begin(), ring.end(), ft[1]) - ring.begin());
-      a.skull[0] = ft[1], a.skull[1] = ft[2], a.skull[2] = ring[(at + 1 + ring.size() / 2) % ring.size()];
-      const Vec3 &A = skull.x_mm[size_t(a.skull[0])], &B = skull.x_mm[size_t(a.skull[1])],
-                 &C = skull.x_mm[size_t(a.skull[2])];
-      const LocalFrame g = local_frame(foot, A, B, C);
-      for (size_t k = 0; k < 3; ++k) a.weight[k] = g.e[k];
-      a.height_mm = g.L_mm;
-      a.axes = axes_of(a, skull);
-      t.anchor.push_back(a);
-    }
-    for (const auto& [u, v] : {std::pair{0, 1}, {1, 2}, {0, 2}})
-      rim[{f.key[size_t(u)], f.key[size_t(v)]}].push_back(b);  // keys are sorted
-    ++i;
-  }
-  std::vector<size_t> used(t.nbr.size(), 1);
-  const int32_t tets = int32_t(t.tet.size());
-  for (const auto& [e, two] : rim) {
-    if (two.size() != 2) return refuse("the region of the face folds onto itself");
-    // The primal triangle that such an edge crosses has no area of its own: a third of its two facets stands for it.
-    const double A = (area(boundary[size_t(two[0] - tets)]) + area(boundary[size_t(two[1] - tets)])) / 6;
-    join(two[0], used[size_t(two[0])]++, two[1], used[size_t(two[1])]++, A);
-  }
-  t.before_mm = t.x_mm;
-  record_rest(t);
-  follow(t, face, skull);
-  TissueLaw smooth;
-  smooth.mode = TissueKind::smoothing, smooth.alpha = 1;
-  for (int i = 0; i < 400; ++i)
-    if (step(t, smooth, workers).max_move_mm < 1e-4) break;
-  t.before_mm = t.x_mm;
-  record_rest(t);
-  // Young's modulus over an edge: the mean of its two ends'. A boundary vertex has that of its tetrahedron.
-  const double skin = s.skin_kPa > 0 ? s.skin_kPa : s.young_kPa;
-  const size_t under_skin = t.tet.size() / size_t(s.layers) * size_t(s.layers - 1);
-  const auto young = [&](int32_t v) {
-    return size_t(v < tets ? v : t.nbr[size_t(v)][0]) >= under_skin ? skin : s.young_kPa;
-  };
-  for (size_t v = 0; v < t.nbr.size(); ++v)
-    for (size_t k = 0; k < 4; ++k) {
-      const double l = t.rest_mm[v][k];
-      t.k_mN_per_mm[v][k] =
-          s.young_kPa > 0 && l > 0 ? 0.5 * (young(int32_t(v)) + young(t.nbr[v][k])) * t.k_mN_per_mm[v][k] / l : 1;
-    }
+  if (std::string why = stack_layers(p, bottom, t); !why.empty()) return refuse(why);
+  if (std::string why = Dual(t, face, region, p, ground, hovers).build(); !why.empty()) return refuse(why);
+  settle(t, face, skull, workers);
+  stiffen(t, s);
   if (const auto bad = find_fault(t)) return refuse(*bad);
   return out;
 }
