@@ -195,8 +195,8 @@ struct Ground {
   Bvh bvh;
 };
 
-/// The foot of a boundary vertex, carried by three vertices of the skull. The fan's centre is none of them: the triangle
-/// of a face's vertices that is nearest to the foot carries it.
+/// The foot of a boundary vertex, carried by three vertices of the skull. The fan's centre is none of them: the
+/// triangle of a face's vertices that is nearest to the foot carries it.
 BoneAnchor anchor_at(const Ground& g, int32_t vertex, const Vec3& foot, int32_t triangle) {
   const Mesh& skull = g.skull;
   BoneAnchor a;
