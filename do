@@ -111,6 +111,7 @@ case "${1:-help}" in
       case $kind in address) preset=asan ;; thread) preset=tsan ;; *) echo "limberg: sanitize $kind: expected address or thread" >&2; exit 2 ;; esac
       [ -f "build-$preset/build.ninja" ] || cmake --preset $preset >/dev/null
       cmake --build "build-$preset" --parallel "$(jobs)"
+      export TSAN_OPTIONS="suppressions=$PWD/tests/tsan.supp"
       run_tests "build-$preset" 7200
     done
     ;;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <time.h>
 
+#include <atomic>
 #include <cstdlib>
 #include <new>
 
@@ -11,7 +12,7 @@
 #include "tests/devices/flat_patient.h"
 
 namespace test_front_end {
-int64_t allocations = 0;
+std::atomic<int64_t> allocations = 0;
 }  // namespace test_front_end
 
 // Every allocation of this program is counted.
