@@ -5,12 +5,12 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
 #include <sstream>
 
 #include "calibration/toml.h"
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
+#include "sim/base/whole_file.h"
 
 namespace limberg {
 
@@ -268,19 +268,7 @@ Calibration parse_calibration(const std::string& text, const std::string& name) 
 }
 
 Calibration load_calibration(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in)
-    throw InputError(path, 0,
-                     std::string("cannot be opened (") + std::strerror(errno) + "); expected a calibration file");
-  std::string text;
-  char part[4096];
-  while (in.read(part, sizeof part), in.gcount() > 0) {
-    text.append(part, size_t(in.gcount()));
-    if (text.size() > 1'000'000)
-      throw InputError(path, 0, "is too large for a calibration; expected some lines of TOML");
-  }
-  if (in.bad()) throw InputError(path, 0, "cannot be read; expected a calibration file");
-  return parse_calibration(text, path);
+  return parse_calibration(read_whole_file(path, 1'000'000, "a calibration: some lines of TOML"), path);
 }
 
 std::string to_toml(const Calibration& c) {

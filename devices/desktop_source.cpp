@@ -18,6 +18,7 @@
 
 #include "devices/monotonic.h"
 #include "devices/sample_queue.h"
+#include "sim/geometry/rotation.h"
 
 namespace limberg {
 
@@ -79,9 +80,9 @@ void DesktopDecoder::advance(double dt) {
     pose_.tip_mm[i] = std::clamp(pose_.tip_mm[i] + curve(push_[i]) * set_.full_mm_s * dt, -set_.box_mm, set_.box_mm);
   const Vec3 w = Vec3(curve(twist_.x()), curve(twist_.y()), curve(twist_.z())) * (set_.full_rad_s * dt);
   if (const double a = w.norm(); a > 0) {
-    const Eigen::Quaterniond q = (Eigen::Quaterniond(Eigen::AngleAxisd(a, w / a)) *
-                                  Eigen::Quaterniond(pose_.quat[0], pose_.quat[1], pose_.quat[2], pose_.quat[3]))
-                                     .normalized();
+    const Eigen::Quaterniond q =
+        (turn_about(a, w / a) * Eigen::Quaterniond(pose_.quat[0], pose_.quat[1], pose_.quat[2], pose_.quat[3]))
+            .normalized();
     pose_.quat = {q.w(), q.x(), q.y(), q.z()};
   }
 }

@@ -8,6 +8,7 @@
 
 #include "devices/motion.h"
 #include "devices/surgeon_plan.h"
+#include "sim/base/elementary.h"
 #include "sim/patient/snapshot.h"
 
 namespace limberg {
@@ -90,7 +91,8 @@ struct EmulatedSurgeon::Impl {
       if (way.norm() > 1e-9) {
         way.normalize();
         const double a = s.angle_deg * std::numbers::pi / 180, drag = kDragDeg * std::numbers::pi / 180;
-        wanted_shaft = (std::sin(a) * up + std::cos(a) * up.cross(way)) * std::cos(drag) - std::sin(drag) * way;
+        wanted_shaft = (elementary::sin(a) * up + elementary::cos(a) * up.cross(way)) * elementary::cos(drag) -
+                       elementary::sin(drag) * way;
       }
       return t.x_mm;
     }
@@ -198,10 +200,11 @@ struct EmulatedSurgeon::Impl {
       const double lean = kRestLeanDeg * std::numbers::pi / 180;
       Vec3 near = -sight.body().chart_e2;
       near -= near.dot(up) * up;
-      want = std::cos(lean) * up + (near.norm() > 1e-6 ? Vec3(std::sin(lean) * near.normalized()) : Vec3::Zero());
+      want = elementary::cos(lean) * up +
+             (near.norm() > 1e-6 ? Vec3(elementary::sin(lean) * near.normalized()) : Vec3::Zero());
     }
     if (want.norm() > 0.5)
-      shaft = (shaft + (1 - std::exp(-1 / (set.rate_hz * kWristS))) * (want.normalized() - shaft)).normalized();
+      shaft = (shaft + (1 - elementary::exp(-1 / (set.rate_hz * kWristS))) * (want.normalized() - shaft)).normalized();
 
     StylusSample s;
     s.device_id = set.device_id;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/base/elementary.h"
+
 namespace limberg {
 
 namespace {
@@ -29,7 +31,7 @@ ToolEvent Gestures::event(int kind, int64_t tick, const Snapshot& s) const {
   e.tool = int32_t(tool_);
   e.chart_x = touch_.chart.x();
   e.chart_y = touch_.chart.y();
-  for (int i = 0; i < 3; ++i) e.world_mm[i] = touch_.x_mm[i], e.rest_mm[i] = touch_.X_mm[i];
+  for (int i = 0; i < 3; ++i) e.world_mm[i] = e.seen_mm[i] = touch_.x_mm[i], e.rest_mm[i] = touch_.X_mm[i];
   e.depth_mm = depth_mm_;
   e.angle_deg = angle_deg_ > 0 ? angle_deg_ : 90;
   e.spacing_mm = spacing_mm_;
@@ -238,7 +240,7 @@ void Gestures::add_blade_angle(const Pose& pose, const Vec3& travelled_mm) {
   const Vec3 left = n.cross(along / length);
   const double up = pose.shaft.dot(n), aside = pose.shaft.dot(left);
   if (up <= 0.05) return;  // the handle lies on the skin: says nothing
-  angle_sum_deg_ += length * std::atan2(up, aside) * 180 / std::numbers::pi;
+  angle_sum_deg_ += length * elementary::atan2(up, aside) * 180 / std::numbers::pi;
   angle_weight_mm_ += length;
 }
 

@@ -8,6 +8,7 @@
 #include "devices/motion.h"
 #include "devices/sample.h"
 #include "sim/geometry/polyline.h"
+#include "sim/geometry/rotation.h"
 #include "sim/geometry/triangle.h"
 #include "sim/patient/snapshot.h"
 
@@ -322,7 +323,7 @@ struct EmulatedHeadSurgeon::Impl {
         to = b.x_mm + kPoint_mm * from - wanted * Vec3(0, 0, kOpen_mm / 2);
       }
       centre = centre_from + s * (to - centre_from);
-      turn = turn_from.slerp(s, wanted);
+      turn = between(turn_from, wanted, s);
     } else if (a.kind == Act::close || a.kind == Act::open) {
       aperture =
           a.kind == Act::close ? kOpen_mm + s * (kClosed_mm - kOpen_mm) : kClosed_mm + s * (kOpen_mm - kClosed_mm);

@@ -81,6 +81,9 @@ class LogWriter {
   /// disk when this returns. False when the disk refuses: whole events written so far stay, error() says why, and
   /// further writes do nothing.
   bool write(int64_t time_us, std::string_view channel, const uint8_t* data, size_t size);
+  /// The first event anew, of the same size: for what is known later than the beginning. Nothing where the file cannot
+  /// be gone back in, a pipe.
+  void write_first_again(int64_t time_us, std::string_view channel, const uint8_t* data, size_t size);
   bool flush();
   bool close();
   const std::string& error() const { return error_; }

@@ -1,48 +1,16 @@
 // Reading: every step is bounded by the bytes that are there, and each search moves on over what it has looked at, so
 // that the work is linear in the size of the file whatever it holds.
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-#include <cerrno>
 #include <cstring>
 
 #include "devices/big_endian.h"
 #include "devices/lcm_log.h"
-#include "sim/base/error.h"
+#include "sim/base/whole_file.h"
 
 namespace limberg {
 
-LogReader::LogReader(const std::string& path) {
-  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (fd < 0)
-    throw InputError(path, 0,
-                     std::string("cannot be opened (") + std::strerror(errno) + "); expected an LCM event log");
-  struct stat st {};
-  std::string wrong;
-  if (::fstat(fd, &st) != 0)
-    wrong = std::strerror(errno);
-  else if (S_ISDIR(st.st_mode))
-    wrong = "is a directory; expected an LCM event log";
-  else if (!S_ISREG(st.st_mode))
-    wrong = "is not a regular file; expected an LCM event log";
-  else if (size_t(st.st_size) > kMaxFile)
-    wrong = "is larger than 4 GiB; expected a recording of at most some hours";
-  if (wrong.empty()) {
-    bytes_.resize(size_t(st.st_size));
-    size_t have = 0;
-    while (have < bytes_.size()) {
-      const ssize_t n = ::read(fd, bytes_.data() + have, bytes_.size() - have);
-      if (n < 0 && errno == EINTR) continue;
-      if (n < 0) wrong = std::string("cannot be read (") + std::strerror(errno) + ")";
-      if (n <= 0) break;
-      have += size_t(n);
-    }
-    bytes_.resize(have);
-  }
-  ::close(fd);
-  if (!wrong.empty()) throw InputError(path, 0, wrong);
-}
+LogReader::LogReader(const std::string& path)
+    : bytes_(read_whole_file<std::vector<uint8_t>>(path, kMaxFile, "an LCM event log")) {}
 
 LogReader::Look LogReader::look_at(size_t at, LogEvent& e) const {
   const size_t left = bytes_.size() - at;

@@ -13,6 +13,17 @@ namespace limberg {
 namespace {
 constexpr int64_t kFlushUs = 500'000;
 constexpr size_t kFlushBytes = 256 * 1024;
+
+void put_event(uint8_t* p, int64_t number, int64_t time_us, std::string_view channel, const uint8_t* data,
+               size_t size) {
+  put_big_endian<uint32_t>(p, LogReader::kSync);
+  put_big_endian<int64_t>(p + 4, number);
+  put_big_endian<int64_t>(p + 12, time_us);
+  put_big_endian<uint32_t>(p + 20, uint32_t(channel.size()));
+  put_big_endian<uint32_t>(p + 24, uint32_t(size));
+  std::memcpy(p + LogReader::kHeader, channel.data(), channel.size());
+  if (size > 0) std::memcpy(p + LogReader::kHeader + channel.size(), data, size);
+}
 }  // namespace
 
 void LogWriter::open(const std::string& path, bool replace) {
@@ -38,14 +49,7 @@ bool LogWriter::write(int64_t time_us, std::string_view channel, const uint8_t* 
   }
   const size_t at = buffer_.size(), length = LogReader::kHeader + channel.size() + size;
   buffer_.resize(at + length);
-  uint8_t* p = buffer_.data() + at;
-  put_big_endian<uint32_t>(p, LogReader::kSync);
-  put_big_endian<int64_t>(p + 4, events_);
-  put_big_endian<int64_t>(p + 12, time_us);
-  put_big_endian<uint32_t>(p + 20, uint32_t(channel.size()));
-  put_big_endian<uint32_t>(p + 24, uint32_t(size));
-  std::memcpy(p + LogReader::kHeader, channel.data(), channel.size());
-  if (size > 0) std::memcpy(p + LogReader::kHeader + channel.size(), data, size);
+  put_event(buffer_.data() + at, events_, time_us, channel, data, size);
   lengths_.push_back(uint32_t(length));
   ++events_;
   if (buffer_.size() >= kFlushBytes || time_us - flushed_us_ >= kFlushUs || time_us < flushed_us_) {
@@ -53,6 +57,13 @@ bool LogWriter::write(int64_t time_us, std::string_view channel, const uint8_t* 
     return flush();
   }
   return true;
+}
+
+void LogWriter::write_first_again(int64_t time_us, std::string_view channel, const uint8_t* data, size_t size) {
+  if (!flush()) return;
+  std::vector<uint8_t> event(LogReader::kHeader + channel.size() + size);
+  put_event(event.data(), 0, time_us, channel, data, size);
+  [[maybe_unused]] const ssize_t n = ::pwrite(fd_, event.data(), event.size(), 0);  // same bytes, same room
 }
 
 bool LogWriter::flush() {

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <atomic>
 #include <lcm/lcm-cpp.hpp>
-#include <map>
 #include <thread>
 
+#include "devices/heard_streams.h"
 #include "devices/lcm_local_link.h"
 #include "devices/lcm_publisher.h"
 #include "devices/message_codec.h"
@@ -19,16 +19,11 @@ namespace limberg {
 
 namespace {
 
-constexpr size_t kMostCommands = 10'000;     // of a session
-constexpr int64_t kSilenceNs = 300'000'000;  // longer than packets linger on a network of one room
+constexpr size_t kMostCommands = 10'000;  // of a session
 
 }  // namespace
 
 struct LcmNetSource::Impl {
-  struct Stream : StreamOrder {
-    int64_t shift = 0;  // of its numbers, since the sender began anew
-  };
-
   Impl(const LcmNetSettings& settings, int64_t start) : start_ns(start), queue(settings.ring) {
     if (!settings.allow_other_networks && settings.url.starts_with("udpm://"))
       local = std::make_unique<LcmLocalLink>(settings.url);
@@ -77,23 +72,11 @@ struct LcmNetSource::Impl {
       s.true_ns = s.t_ns - std::clamp<int64_t>(sent_ns - s.true_ns, 0, 1'000'000'000);
     const std::pair<int, int32_t> stream{stream_of(s), s.device_id};
     int64_t gap = 0;
-    const bool known = order.contains(stream);
-    // A sender that was silent and counts from a lower number has begun anew (restarted, plugged in again): its numbers
-    // go on from where they were. Without the silence it is an old packet, or one that came twice.
-    if (known) {
-      Stream& o = order[stream];
-      if (s.seq + o.shift <= o.seq && s.t_ns - o.t_ns > kSilenceNs) o.shift = o.seq + 1 - s.seq;
-      s.seq += o.shift;
-    }
-    if ((order.size() >= kMaxStreams && !known) || (known && order[stream].checksums && !has_checksum) ||
-        !order[stream].accept(s.seq, s.t_ns, gap)) {
+    if (!heard.take(stream, s.seq, s.t_ns, has_checksum, gap)) {
       malformed.fetch_add(1, std::memory_order_relaxed);
       return;
     }
-    order[stream].checksums |= has_checksum;
-    // A sender that begins anew at a much higher number has lost nothing.
-    constexpr int64_t kMostLost = 100'000;
-    if (gap < kMostLost) lost.fetch_add(gap, std::memory_order_relaxed);
+    lost.fetch_add(gap, std::memory_order_relaxed);
     if constexpr (std::is_same_v<S, CommandSample>) {  // kept, so that the device thread frees none
       if (commands.size() >= kMostCommands) {
         lost.fetch_add(1, std::memory_order_relaxed);
@@ -122,7 +105,7 @@ struct LcmNetSource::Impl {
   std::unique_ptr<LcmLocalLink> local;  // one of the two
   std::unique_ptr<lcm::LCM> library;
   const int64_t start_ns;
-  std::map<std::pair<int, int32_t>, Stream> order;  // of the receiving thread alone, as are the commands
+  HeardStreams heard;  // of the receiving thread alone, as are the commands
   std::vector<std::shared_ptr<const Command>> commands;
   SampleQueue queue;
   std::atomic<int64_t> malformed{0}, lost{0}, foreign{0};

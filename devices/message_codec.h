@@ -17,6 +17,7 @@
 #include "limberg_msg/raw_t.hpp"
 #include "limberg_msg/schedule_t.hpp"
 #include "limberg_msg/session_t.hpp"
+#include "limberg_msg/state_t.hpp"
 #include "limberg_msg/stylus_t.hpp"
 #include "limberg_msg/tracker_t.hpp"
 
@@ -27,13 +28,15 @@ inline constexpr std::string_view kStylusChannel = "LIMBERG_STYLUS", kControlCha
                                   kSessionChannel = "LIMBERG_SESSION", kChunkChannel = "LIMBERG_CHUNK",
                                   kCheckpointChannel = "LIMBERG_CHECKPOINT", kEndChannel = "LIMBERG_END",
                                   kTrackerChannel = "LIMBERG_TRACKER", kRawChannel = "LIMBERG_RAW",
-                                  kScheduleChannel = "LIMBERG_SCHEDULE", kCommandChannel = "LIMBERG_COMMAND";
+                                  kScheduleChannel = "LIMBERG_SCHEDULE", kCommandChannel = "LIMBERG_COMMAND",
+                                  kStateChannel = "LIMBERG_STATE";
 
 /// CRC-32 of IEEE 802.3 (reflected polynomial 0xEDB88320).
 uint32_t checksum(const uint8_t* data, size_t n);
 
 inline constexpr size_t kPiece = sizeof(limberg_msg::chunk_t::data);  // bytes of an embedded file in one message
-inline constexpr size_t kMaxStreams = 64;                             // devices of one recording or link
+inline constexpr size_t kMaxStreams = 64;                             // devices of a link that are heard at a time
+inline constexpr size_t kMaxRecordedStreams = 65'536;  // of one recording: a link may have heard others before
 inline constexpr size_t kMaxMessage = 8192;
 using MessageBytes = std::array<uint8_t, kMaxMessage>;
 

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/base/elementary.h"
+
 namespace limberg {
 
 Tremor::Tremor(uint64_t seed, double amplitude_mm, double low_hz, double high_hz) {
@@ -22,7 +24,8 @@ Tremor::Tremor(uint64_t seed, double amplitude_mm, double low_hz, double high_hz
 Vec3 Tremor::at(double t_s) const {
   Vec3 p = Vec3::Zero();
   for (int i = 0; i < 3; ++i)
-    for (const Sine& s : sine_[size_t(i)]) p[i] += s.amplitude * std::sin(2 * std::numbers::pi * s.hz * t_s + s.phase);
+    for (const Sine& s : sine_[size_t(i)])
+      p[i] += s.amplitude * elementary::sin(2 * std::numbers::pi * s.hz * t_s + s.phase);
   return p;
 }
 
@@ -33,7 +36,7 @@ Dropouts::Dropouts(uint64_t seed, double per_s, double longest_s)
 
 void Dropouts::draw_next(double after_s) {
   // Exponential waiting times make a Poisson process.
-  begin_s_ = per_s_ > 0 ? after_s - std::log(1 - random_.uniform()) / per_s_ : 1e300;
+  begin_s_ = per_s_ > 0 ? after_s - elementary::log(1 - random_.uniform()) / per_s_ : 1e300;
   end_s_ = begin_s_ + longest_s_ * (1 + 2 * random_.uniform()) / 3;
 }
 

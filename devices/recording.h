@@ -6,6 +6,7 @@
 //   LIMBERG_RAW         the bytes of serial devices from which samples were read
 //   LIMBERG_SCHEDULE    of a live session: what its threads took from each other (schedule.h)
 //   LIMBERG_CHECKPOINT  tick and state hash, once a second or so
+//   LIMBERG_STATE       where some places were after a solver step, once a second or so (state_sample.h)
 //   LIMBERG_END         number of events before it, final tick and hash; missing when the session was cut short
 // All messages have a size that is known, a schema version, a sequence number and a CRC-32 (messages/*.lcm).
 #include <array>
@@ -18,13 +19,14 @@
 #include "devices/sample.h"
 #include "devices/schedule.h"
 #include "devices/source.h"
+#include "devices/state_sample.h"
 
 namespace limberg {
 
 struct SessionInfo {
   static constexpr int kFormat = 1;
   int32_t format_version = kFormat;
-  std::string program;     // "limberg 0.1.0 (commit)"; at most 95 bytes
+  std::string program;     // "limberg 0.1.0 (commit), compiler, processor instructions"; at most 95 bytes
   std::string scene_name;  // at most 63 bytes
   uint64_t scene_hash = 0, calibration_hash = 0;
   std::array<uint64_t, 4> seeds{};                // world, emulated surgeon, options (bits below), spare
@@ -60,7 +62,8 @@ struct Recording {
   std::vector<Blob> blobs;      // whole ones only
   std::vector<Sample> samples;  // in file order; times never decrease within a device
   std::vector<Checkpoint> checkpoints;
-  LiveSchedule schedule;  // of a live session; empty otherwise
+  std::vector<StateSample> states;  // steps grow
+  LiveSchedule schedule;            // of a live session; empty otherwise
   std::optional<RecordingEnd> end;
   LogDamage damage;
   int64_t events = 0;  // events of ours that were taken
@@ -78,8 +81,11 @@ class RecordingWriter final : public SampleSink {
   /// Creates the file and writes the session and blobs. InputError: it exists and `replace` is false, it cannot be
   /// written, or a name is too long.
   void open(const std::string& path, const SessionInfo& session, const std::vector<Blob>& blobs, bool replace = false);
+  /// Of a session whose tick 0 came after open(), before the first sample: when it was. A pipe keeps what it was told.
+  void began(int64_t utc_start_ns);
   void on_sample(const Sample& sample) override;
   void checkpoint(int64_t tick, uint64_t hash);
+  void state(const StateSample& state);
   /// Rows are gathered and written 32 at a time, or when they are half a second old.
   void schedule(const DeviceRun& run);
   void schedule(const SolverTake& take);
@@ -95,7 +101,9 @@ class RecordingWriter final : public SampleSink {
   int64_t events() const { return log_.events(); }
 
  private:
+  void write_session(bool again);
   LogWriter log_;
+  SessionInfo info_;
   struct Rows {  // not yet written
     int64_t seq = 0, first_tick = 0;
     std::vector<std::array<int64_t, 7>> row;

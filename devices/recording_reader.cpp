@@ -1,3 +1,4 @@
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -45,6 +46,8 @@ class Reader {
         wrong = chunk(e);
       else if (e.channel == kCheckpointChannel)
         wrong = checkpoint(e);
+      else if (e.channel == kStateChannel)
+        wrong = state(e);
       else if (e.channel == kScheduleChannel)
         wrong = schedule(e);
       else if (e.channel == kEndChannel)
@@ -121,7 +124,7 @@ class Reader {
     if (const char* wrong = decode_message(e.data, e.size, m, &has_checksum)) return wrong;
     if (const char* wrong = to_sample(m, s)) return wrong;
     const std::pair<int, int32_t> stream{stream_of(s), s.device_id};
-    if (!order_.contains(stream) && order_.size() >= kMaxStreams) return "too many devices";
+    if (!order_.contains(stream) && order_.size() >= kMaxRecordedStreams) return "too many devices";
     int64_t gap = 0;
     // Damage that moves bytes can leave a message that says that it has no checksum, and can change whose it is: where
     // one message of a channel has a checksum, all must have.
@@ -192,6 +195,24 @@ class Reader {
     if (m.tick < 0) return "negative tick";
     if (!r_.checkpoints.empty() && m.tick < r_.checkpoints.back().tick) return kOutOfOrder;
     r_.checkpoints.push_back({m.tick, uint64_t(m.hash)});
+    return nullptr;
+  }
+
+  const char* state(const LogEvent& e) {
+    limberg_msg::state_t m;
+    if (const char* wrong = decode_message(e.data, e.size, m)) return wrong;
+    StateSample s;
+    if (m.n < 0 || m.n > StateSample::kPlaces || m.vertices < m.n || m.step < 1) return "places that cannot be";
+    if (!r_.states.empty() && m.step <= r_.states.back().step) return kOutOfOrder;
+    s.step = m.step, s.topology = uint64_t(m.topology), s.vertices = m.vertices, s.n = m.n;
+    for (size_t k = 0; k < size_t(m.n); ++k)
+      for (size_t j = 0; j < 3; ++j) {
+        if (!std::isfinite(m.at_mm[k][j])) return "a place that is no number";
+        s.at_mm[k][j] = m.at_mm[k][j];
+      }
+    if (!std::isfinite(m.sutures_N) || !std::isfinite(m.hooks_N)) return "a force that is no number";
+    s.sutures_N = m.sutures_N, s.hooks_N = m.hooks_N;
+    r_.states.push_back(s);
     return nullptr;
   }
 

@@ -44,21 +44,10 @@ void RecordingWriter::open(const std::string& path, const SessionInfo& info, con
   last_us_ = start_us_;
   seq_ = 0;
 
-  auto m = own_message<limberg_msg::session_t>(seq_++, 0);
-  m.format_version = SessionInfo::kFormat;
-  put_text(m.program, info.program);
-  put_text(m.scene_name, info.scene_name);
-  m.scene_hash = int64_t(info.scene_hash);
-  m.calibration_hash = int64_t(info.calibration_hash);
-  for (size_t i = 0; i < 4; ++i) m.seeds[i] = int64_t(info.seeds[i]);
-  m.tick_ns = info.tick_ns;
-  m.ticks_per_solver_step = info.ticks_per_solver_step;
-  m.ticks_per_frame = info.ticks_per_frame;
-  m.solver_delay_ticks = info.solver_delay_ticks;
-  m.utc_start_ns = info.utc_start_ns;
+  info_ = info;
+  write_session(false);
+  ++seq_;
   MessageBytes bytes;
-  log_.write(last_us_, kSessionChannel, bytes.data(), encode_message(m, bytes));
-
   for (size_t b = 0; b < blobs.size(); ++b) {
     const std::string& data = blobs[b].data;
     const size_t total = std::max<size_t>(1, (data.size() + kPiece - 1) / kPiece);
@@ -76,6 +65,37 @@ void RecordingWriter::open(const std::string& path, const SessionInfo& info, con
     }
   }
   log_.flush();
+}
+
+/// The first event of the file.
+void RecordingWriter::write_session(bool again) {
+  const SessionInfo& info = info_;
+  auto m = own_message<limberg_msg::session_t>(0, 0);
+  m.format_version = SessionInfo::kFormat;
+  put_text(m.program, info.program);
+  put_text(m.scene_name, info.scene_name);
+  m.scene_hash = int64_t(info.scene_hash);
+  m.calibration_hash = int64_t(info.calibration_hash);
+  for (size_t i = 0; i < 4; ++i) m.seeds[i] = int64_t(info.seeds[i]);
+  m.tick_ns = info.tick_ns;
+  m.ticks_per_solver_step = info.ticks_per_solver_step;
+  m.ticks_per_frame = info.ticks_per_frame;
+  m.solver_delay_ticks = info.solver_delay_ticks;
+  m.utc_start_ns = info.utc_start_ns;
+  MessageBytes bytes;
+  const size_t n = encode_message(m, bytes);
+  if (again)
+    log_.write_first_again(last_us_, kSessionChannel, bytes.data(), n);
+  else
+    log_.write(last_us_, kSessionChannel, bytes.data(), n);
+}
+
+void RecordingWriter::began(int64_t utc_start_ns) {
+  if (!log_.is_open() || !log_.error().empty()) return;
+  info_.utc_start_ns = utc_start_ns;
+  write_session(true);
+  start_us_ = utc_start_ns / 1000;
+  last_us_ = std::max(last_us_, start_us_);
 }
 
 void RecordingWriter::on_sample(const Sample& sample) {
@@ -96,6 +116,15 @@ void RecordingWriter::checkpoint(int64_t tick, uint64_t hash) {
   m.hash = int64_t(hash);
   MessageBytes bytes;
   log_.write(last_us_, kCheckpointChannel, bytes.data(), encode_message(m, bytes));
+}
+
+void RecordingWriter::state(const StateSample& s) {
+  auto m = own_message<limberg_msg::state_t>(seq_++, std::max<int64_t>(0, (last_us_ - start_us_) * 1000));
+  m.step = s.step, m.topology = int64_t(s.topology), m.vertices = s.vertices, m.n = s.n;
+  for (size_t k = 0; k < size_t(s.n); ++k) std::copy(s.at_mm[k].begin(), s.at_mm[k].end(), m.at_mm[k]);
+  m.sutures_N = s.sutures_N, m.hooks_N = s.hooks_N;
+  MessageBytes bytes;
+  log_.write(last_us_, kStateChannel, bytes.data(), encode_message(m, bytes));
 }
 
 void RecordingWriter::schedule(const DeviceRun& r) {

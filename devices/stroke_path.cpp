@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/base/elementary.h"
 #include "sim/geometry/polyline.h"
 
 namespace limberg {
@@ -34,15 +35,16 @@ Line fit(const std::vector<Vec2>& p, size_t a, size_t b) {
     xy += d.x() * d.y();
     yy += d.y() * d.y();
   }
-  const double angle = 0.5 * std::atan2(2 * xy, xx - yy);  // major axis of the scatter
-  Vec2 along(std::cos(angle), std::sin(angle));
+  const double angle = 0.5 * elementary::atan2(2 * xy, xx - yy);  // major axis of the scatter
+  Vec2 along(elementary::cos(angle), elementary::sin(angle));
   if (along.dot(chord) < 0) along = -along;
   return {mean, along};
 }
 
 /// Where two edges' lines meet, if the turn is a corner and the place is near the knot; else the knot's feet, averaged.
 Vec2 corner(const Line& a, const Line& b, const Vec2& knot, const PathSettings& s) {
-  const double turn = std::abs(std::atan2(cross2(a.along, b.along), a.along.dot(b.along))) * 180 / std::numbers::pi;
+  const double turn =
+      std::abs(elementary::atan2(cross2(a.along, b.along), a.along.dot(b.along))) * 180 / std::numbers::pi;
   if (turn >= s.corner_deg && turn <= 180 - s.corner_deg) {
     const double t = cross2(b.at - a.at, b.along) / cross2(a.along, b.along);
     const Vec2 meet = a.at + t * a.along;

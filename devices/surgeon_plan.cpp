@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/base/elementary.h"
 #include "sim/geometry/spline.h"
 
 namespace limberg {
@@ -15,7 +16,7 @@ constexpr double kPauseTurnDeg = 20;  // a sharper turn of a drawn path is a cor
 
 double turn_deg(const ChartPoint& a, const ChartPoint& b, const ChartPoint& c) {
   const Vec2 u = b - a, v = c - b;
-  return std::abs(std::atan2(u.x() * v.y() - u.y() * v.x(), u.dot(v))) * 180 / std::numbers::pi;
+  return std::abs(elementary::atan2(u.x() * v.y() - u.y() * v.x(), u.dot(v))) * 180 / std::numbers::pi;
 }
 
 Aim on_skin(const ChartPoint& c) {

@@ -39,6 +39,7 @@ struct ToolEvent {
   double chart_x = 0, chart_y = 0;  // the touched skin point, rest chart mm
   double world_mm[3]{};
   double rest_mm[3]{};  // the touched place at rest
+  double seen_mm[3]{};  // and where it was, as the hand was shown it
   double quat[4]{1, 0, 0, 0};
   double depth_mm = 0, angle_deg = 90, spacing_mm = 0;
   int32_t id = 0;    // hook id, or stage number

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/base/elementary.h"
+
 namespace limberg {
 
 namespace {
@@ -20,14 +22,14 @@ Vec3 log_of(Quat q) {
   if (q.w() < 0) q.coeffs() = -q.coeffs();
   const double s = q.vec().norm();
   if (s < 1e-12) return 2 * q.vec();
-  return q.vec() * (2 * std::atan2(s, q.w()) / s);
+  return q.vec() * (2 * elementary::atan2(s, q.w()) / s);
 }
 
 Quat exp_of(const Vec3& w) {
   const double a = w.norm();
   if (a < 1e-12) return Quat(1, 0.5 * w.x(), 0.5 * w.y(), 0.5 * w.z()).normalized();
-  const Vec3 v = w * (std::sin(a / 2) / a);
-  return Quat(std::cos(a / 2), v.x(), v.y(), v.z());
+  const Vec3 v = w * (elementary::sin(a / 2) / a);
+  return Quat(elementary::cos(a / 2), v.x(), v.y(), v.z());
 }
 
 /// Weight of the new value in a first-order low-pass (Casiez 2012, eq. 2-5).

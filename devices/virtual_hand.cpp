@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/base/elementary.h"
 #include "sim/geometry/triangle.h"
 
 namespace limberg {
@@ -22,7 +23,7 @@ bool better(const PointedPlace& a, const PointedPlace& b) {
 void PointingSearch::slice(const Snapshot& s, size_t from, size_t to, const Vec3& origin, const Vec3& direction,
                            PointedPlace& best) const {
   const SurfaceView& view = s.topology->view;
-  const double least_cos = std::cos(cone_rad);
+  const double least_cos = elementary::cos(cone_rad);
   for (size_t t = from; t < to; ++t) {
     if (!s.topology->is_ground(t, ground)) continue;
     const Tri& k = view.tri[t];
@@ -43,7 +44,7 @@ void PointingSearch::slice(const Snapshot& s, size_t from, size_t to, const Vec3
     const double length = a.norm();
     if (along < least_cos * length || length < 1e-9) continue;
     p.along_mm = along;
-    p.beside_rad = std::max(1e-12, std::acos(std::min(1.0, along / length)));
+    p.beside_rad = std::max(1e-12, elementary::acos(std::min(1.0, along / length)));
     if (better(p, best)) best = p;
   }
 }

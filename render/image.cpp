@@ -6,8 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
-#include <memory>
+#include <string_view>
 
 #include "sim/base/error.h"
 #include "sim/base/whole_file.h"
@@ -29,10 +28,6 @@ void Image::blend(int x, int y, Rgb8 c, double alpha) {
 
 namespace {
 
-struct Closer {
-  void operator()(std::FILE* f) const { std::fclose(f); }
-};
-
 // libpng reports errors by a call that must not return; an exception leaves its C frames, so it jumps to setjmp. The
 // functions below keep everything with a destructor outside of the part that may be jumped over.
 [[noreturn]] void leave(png_structp png, png_const_charp) { png_longjmp(png, 1); }
@@ -42,6 +37,13 @@ void append(png_structp png, png_bytep data, png_size_t n) {
   static_cast<std::string*>(png_get_io_ptr(png))->append(reinterpret_cast<const char*>(data), n);
 }
 void flush_nothing(png_structp) {}
+
+void take(png_structp png, png_bytep data, png_size_t n) {
+  std::string_view& left = *static_cast<std::string_view*>(png_get_io_ptr(png));
+  if (n > left.size()) png_error(png, "cut short");
+  std::memcpy(data, left.data(), n);
+  left.remove_prefix(n);
+}
 
 bool encode_rows(const Image& image, std::string& out) {
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, leave, ignore);
@@ -66,7 +68,7 @@ bool encode_rows(const Image& image, std::string& out) {
 
 constexpr png_uint_32 kMaxSide = 16384;
 
-bool read_rows(std::FILE* f, Image& image) {
+bool read_rows(std::string_view bytes, Image& image) {
   png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, leave, ignore);
   if (!png) return false;
   png_infop info = png_create_info_struct(png);
@@ -75,7 +77,7 @@ bool read_rows(std::FILE* f, Image& image) {
     return false;
   }
   png_set_user_limits(png, kMaxSide, kMaxSide);
-  png_init_io(png, f);
+  png_set_read_fn(png, &bytes, take);
   png_read_info(png, info);
   png_set_expand(png);
   png_set_strip_16(png);
@@ -87,6 +89,7 @@ bool read_rows(std::FILE* f, Image& image) {
   image.height = int(png_get_image_height(png, info));
   const size_t stride = png_get_rowbytes(png, info);
   if (stride != 3 * size_t(image.width)) png_error(png, "unexpected layout");
+  if (size_t(image.width) * size_t(image.height) > kMostPixels) png_error(png, "too large");
   image.rgb.resize(stride * size_t(image.height));
   for (int pass = 0; pass < passes; ++pass)
     for (int y = 0; y < image.height; ++y) png_read_row(png, image.rgb.data() + stride * size_t(y), nullptr);
@@ -110,15 +113,12 @@ void write_png(const std::string& file, const Image& image) {
   write_whole_file(file, bytes);
 }
 
-Image read_png(const std::string& file) {
-  std::unique_ptr<std::FILE, Closer> f(std::fopen(file.c_str(), "rb"));
-  if (!f) throw InputError(file, 0, std::string("cannot be read: ") + std::strerror(errno));
-  unsigned char signature[8]{};
-  if (std::fread(signature, 1, 8, f.get()) != 8 || png_sig_cmp(signature, 0, 8) != 0)
-    throw InputError(file, 0, "is not a PNG picture");
-  std::rewind(f.get());
+Image read_png(const std::string& file) { return decode_png(read_whole_file(file, kMostPng, "a PNG picture"), file); }
+
+Image decode_png(std::string_view bytes, const std::string& name) {
+  if (!bytes.starts_with("\x89PNG\r\n\x1a\n")) throw InputError(name, 0, "is not a PNG picture; expected one");
   Image image;
-  if (!read_rows(f.get(), image)) throw InputError(file, 0, "is a damaged PNG picture");
+  if (!read_rows(bytes, image)) throw InputError(name, 0, "is a damaged PNG picture; expected a whole one");
   return image;
 }
 

@@ -2,6 +2,7 @@
 // A picture in memory, and PNG files. Rows run from the top down, three bytes a pixel, sRGB.
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace limberg {
@@ -38,8 +39,11 @@ void write_png(const std::string& file, const Image& image);
 /// The bytes of a PNG file; empty for an empty picture.
 std::string encode_png(const Image& image);
 
-/// InputError when the file is missing, is not a PNG or is damaged. Any PNG is converted to 8-bit RGB.
+constexpr size_t kMostPng = size_t(32) << 20;     // bytes of a file that is read
+constexpr size_t kMostPixels = size_t(64) << 20;  // of a picture that is read: 192 MB
+/// InputError when the file is missing, is not a PNG, is damaged or too large. Any PNG is converted to 8-bit RGB.
 Image read_png(const std::string& file);
+Image decode_png(std::string_view bytes, const std::string& name);
 
 /// Averages blocks of factor x factor pixels; width and height must be multiples of factor.
 Image shrink(const Image& image, int factor);

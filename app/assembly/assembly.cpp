@@ -68,7 +68,10 @@ Assembly::Assembly(Scene scene_in, const Calibration& calibration_in, const Asse
       repro(o.repro_dir, blank_repro(scene, scene.cell_mm, scene.seed)),
       solver(
           *patient, channels,
-          SolverSettings{step_settings(scene, o.real_time), 1, o.progressive_cut, o.record && o.real_time},
+          SolverSettings{.step = step_settings(scene, o.real_time),
+                         .progressive_cut = o.progressive_cut,
+                         .schedule = o.record && o.real_time,
+                         .sample_states = o.record},
           [this](const Command& c) {
             done.push_back(c);
             repro.done(c);

@@ -6,6 +6,7 @@
 #include "app/program/temporary_folder.h"
 #include "app/result/output.h"
 #include "sim/base/error.h"
+#include "sim/base/quoted.h"
 
 namespace limberg {
 
@@ -61,8 +62,14 @@ Unbundled unbundle_scene(const Recording& rec, const std::string& file) {
       if (b.kind != BlobKind::mesh) continue;
       const fs::path at = (folder / b.name).lexically_normal();
       if (fs::path(b.name).is_absolute() || !inside(tmp->path(), at))
-        throw InputError(file, 0, "holds a mesh with the path \"" + b.name + "\"; expected a path near its scene");
-      fs::create_directories(at.parent_path());
+        throw InputError(file, 0,
+                         "holds a mesh with the path " + limberg::quoted(b.name) + "; expected a path near its scene");
+      std::error_code ec;
+      fs::create_directories(at.parent_path(), ec);
+      if (ec || fs::is_directory(at, ec))  // a file where another one's folder is, or the other way round
+        throw InputError(file, 0,
+                         "holds a mesh with the path " + limberg::quoted(b.name) +
+                             ", which is in another one's way; expected paths of files beside each other");
       write_whole_file(at.string(), b.data);
     }
     out.scene = parse_scene(scene->data, (folder / "scene.toml").string());

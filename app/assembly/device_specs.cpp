@@ -13,6 +13,7 @@
 #include "devices/force/force_source.h"
 #include "devices/lcm_net_source.h"
 #include "devices/lcm_publisher.h"
+#include "sim/base/elementary.h"
 #include "sim/base/error.h"
 
 namespace limberg {
@@ -86,7 +87,7 @@ LiveSource force_simulated(const DeviceSpec& spec, int) {
     SimulatedHand hand;
     // Comes down onto the middle of the skin, presses 3 mm deep and strokes to and fro.
     hand.target = [](double t) {
-      return Vec3(15 * std::sin(1.5 * t), 10 * std::sin(0.9 * t), 20 - 23 * std::min(1.0, t / 2));
+      return Vec3(15 * elementary::sin(1.5 * t), 10 * elementary::sin(0.9 * t), 20 - 23 * std::min(1.0, t / 2));
     };
     return std::make_unique<ForceSource>(std::make_unique<SimulatedForceDevice>(hand), ForceSourceSettings{},
                                          start.stiffness);

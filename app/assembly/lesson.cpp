@@ -11,6 +11,7 @@
 #include "app/program/shipped.h"
 #include "app/result/output.h"
 #include "app/scene/toml_table.h"
+#include "sim/base/elementary.h"
 #include "sim/commands/procedures/catalogue.h"
 #include "sim/commands/strokes.h"
 #include "sim/measure/plan.h"
@@ -34,6 +35,7 @@ constexpr Known kKnown[] = {{"corner_mm", nullptr, "mm", 100},
                             {"suture_peak_N", "suture_force_peak_N", "N", 100},
                             {"closure_N", "closure_force_N", "N", 1000},
                             {"dog_ear_mm", "dog_ear_mm", "mm", 100},
+                            {"wound_gape_mm", "wound_gape_mm", "mm", 100},
                             {"step_off_mm", "step_off_mm", "mm", 50},
                             {"landmark_mm", "landmark_max_mm", "mm", 100},
                             {"waste_mm2", "waste_mm2", "mm2", 1e5},
@@ -45,7 +47,7 @@ constexpr double kMissing_mm = 10;
 
 double angle_deg(const Vec2& a, const Vec2& b, const Vec2& c) {
   const Vec2 u = a - b, v = c - b;
-  return std::abs(std::atan2(u.x() * v.y() - u.y() * v.x(), u.dot(v))) * 180 / std::numbers::pi;
+  return std::abs(elementary::atan2(u.x() * v.y() - u.y() * v.x(), u.dot(v))) * 180 / std::numbers::pi;
 }
 
 struct Drawn {
@@ -289,6 +291,7 @@ LessonValues lesson_values(const Metrics& m, const std::optional<DesignError>& e
   };
   if (m.sutures.empty())
     without({"gap_mm", "suture_N", "suture_peak_N", "closure_N"}, "stitches were looked for at the end; there is none");
+  if (!(m.gape.rim_length_mm > 0)) without({"wound_gape_mm"}, "a wound was looked for; nothing was cut");
   if (!m.waste_mm2) without({"waste_mm2"}, "an excision was looked for; nothing was excised");
   const auto gone =
       std::find_if(m.landmarks.begin(), m.landmarks.end(), [](const NamedLandmark& l) { return !l.figure; });

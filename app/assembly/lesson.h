@@ -11,8 +11,9 @@
 //   [procedure.values]  side_mm = 20        parameters that differ from the procedure's own
 //   [tolerance]                             at most; only those that are given are judged
 //   corner_mm, angle_deg, limb_percent      of the cuts against the plan (design_error)
-//   gap_mm, suture_N, suture_peak_N, closure_N, dog_ear_mm, step_off_mm, landmark_mm, waste_mm2   of result.json's
-//                                                                                                 metrics
+//   gap_mm, suture_N, suture_peak_N, closure_N, dog_ear_mm, wound_gape_mm, step_off_mm, landmark_mm, waste_mm2
+//                                           of result.json's metrics; gap_mm: of the bites of a stitch, wound_gape_mm:
+//                                           of the edge between stitches, 95 % of it
 //   time_s, path_mm, movements, undos       of the hand; judged where there was one
 //   [landmarks]  ala = [x, y]               places that must not be drawn away
 //

@@ -36,7 +36,11 @@ class Operation {
       patient_.fill(row.shown);
       out.stages.push_back(std::move(row));
     }
-    if (!std::holds_alternative<Stage>(c)) rest(set_.rest_residual, set_.rest_steps);
+    bones_ |= std::holds_alternative<HeadCommand>(c);
+    // Skin that is taken back is at rest already, as it was before the act: a further step would make the patient
+    // depend on acts that were undone.
+    const bool back = (std::holds_alternative<Undo>(c) || std::holds_alternative<Redo>(c)) && !bones_;
+    if (!std::holds_alternative<Stage>(c) && !back) rest(set_.rest_residual, set_.rest_steps);
     return o;
   }
 
@@ -117,7 +121,8 @@ class Operation {
   }
 
   Patient& patient_;
-  RigidMove dragged_;  // since the grab
+  RigidMove dragged_;   // since the grab
+  bool bones_ = false;  // were acted on
   const OperationSettings& set_;
   Snapshot now_;
   std::map<int, Vec3> handle_;

@@ -152,6 +152,7 @@ std::string ReproWriter::refused(const Command& c, const std::string& reason, ui
     const int why = errno;
     if (!f || std::fclose(f) != 0 || !written) {
       error_ = name + ": cannot be written (" + std::strerror(why) + ")";
+      if (f) std::remove(name.c_str());  // none is better than a part
       return {};
     }
     files_.push_back(name);

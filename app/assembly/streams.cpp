@@ -11,7 +11,9 @@
 #include "devices/message_codec.h"
 #include "devices/motion.h"
 #include "devices/rehearsal.h"
+#include "sim/base/elementary.h"
 #include "sim/base/error.h"
+#include "sim/geometry/rotation.h"
 
 namespace limberg {
 
@@ -60,7 +62,7 @@ KnownStream glove(uint64_t seed) {
                      minimum_jerk((t - 4.6) / 1.4) * Vec3(20, 20, 15) +
                      minimum_jerk((t - 7.0) / 1.4) * Vec3(-15, 0, 20);
     fastrak::StationPose p;
-    p.orientation = Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2 + 0.1 * std::sin(t), Vec3::UnitY()));
+    p.orientation = turn_about(std::numbers::pi / 2 + 0.1 * elementary::sin(t), Vec3::UnitY());
     p.pos_mm =
         Vec3(15, -10, 40) + way + tremor.at(t + station) + (station == 1 ? Vec3(Vec3::Zero()) : Vec3(0, -aperture, 0));
     return p;
@@ -126,7 +128,7 @@ KnownStream tremor(uint64_t seed) {
 KnownStream force(uint64_t) {
   SimulatedHand hand;
   hand.target = [](double t) {
-    return Vec3(8 * std::sin(kFullTurn * 0.4 * t), 0,
+    return Vec3(8 * elementary::sin(kFullTurn * 0.4 * t), 0,
                 4 - 7 * minimum_jerk((t - 0.3) / 0.6) + 7 * minimum_jerk((t - 2.0) / 0.4));
   };
   SimulatedForceDevice device(hand);
@@ -214,7 +216,7 @@ KnownStream known_stream(const std::string& name, uint64_t seed) {
     for (Sample& s : k.samples)
       if (auto* t = std::get_if<TrackerSample>(&s)) {
         const Vec3 off = t->pos_mm - metal;
-        t->pos_mm -= off.normalized() * (12 * std::exp(-off.norm() / 160));
+        t->pos_mm -= off.normalized() * (12 * elementary::exp(-off.norm() / 160));
       }
     k.truth_csv = csv_of(stylus_touching(r), {1}, seconds_for(r));
     k.truth = "as touch; readings are drawn by up to 12 mm towards a piece of metal";

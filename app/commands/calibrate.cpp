@@ -234,7 +234,7 @@ int calibrate(const CalibrateOptions& o) {
   const auto procedure = procedures.find(o.what);
   if (procedure == procedures.end())
     throw InputError("", 0, "calibrate " + o.what + ": unknown; expected stylus, glove or world");
-  if (std::filesystem::exists(o.out) && !o.replace && o.out != o.from)
+  if (std::error_code ec; std::filesystem::exists(o.out, ec) && !o.replace && o.out != o.from)
     throw InputError(o.out, 0, "exists already; expected the name of a new file, or --replace");
   const Calibration from = o.from.empty() ? Calibration{} : load_calibration(o.from);
   const Recording rec = read_recording(o.log);

@@ -37,10 +37,15 @@ namespace {
 
 enum class Kind { scene, lesson, tissues, script, repro, recording, calibration, surface, simplex_mesh };
 
+constexpr size_t kBeginning = 4096;
+bool begins_recording(std::string_view text) {
+  return text.substr(0, kBeginning).find("\xED\xA1\xDA\x01") != std::string_view::npos;
+}
+
 /// What a file is, by what is in it; its name decides only where the content leaves a doubt.
 Kind recognise(const std::string& file, std::string_view text) {
   const auto ends = [&](const char* e) { return std::string_view(file).ends_with(e); };
-  if (text.substr(0, 4096).find("\xED\xA1\xDA\x01") != std::string_view::npos) return Kind::recording;
+  if (begins_recording(text)) return Kind::recording;
   const size_t first = text.find_first_not_of(" \t\r\n");
   if (first == std::string_view::npos)
     throw InputError(file, 0,
@@ -432,7 +437,8 @@ std::string meant(const std::string& given) {
 int check(const std::string& given, const std::string& series, bool with_plan, const std::string& svg, int workers) {
   const std::string file = meant(given);
   if (check_image(file, series)) return kDone;
-  const std::string text = read_whole_file(file, size_t(4) << 30);
+  if (begins_recording(read_beginning(file, kBeginning))) return check_recording(file, with_plan, workers);
+  const std::string text = read_whole_file(file, size_t(1) << 30);
   switch (recognise(file, text)) {
     case Kind::recording:
       return check_recording(file, with_plan, workers);

@@ -8,10 +8,12 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <new>
 #include <utility>
 
 #include "app/program/interrupt.h"
+#include "app/program/shown.h"
 #include "app/program/version.h"
 #include "app/result/progress.h"
 #include "sim/base/error.h"
@@ -77,10 +79,15 @@ int run_command_line(CLI::App& app, std::vector<std::string> words, const Chosen
 
 int run_framed(const std::function<int()>& body) {
   keep_standard_files();
+  show_standard_output();
   try {
     return flushed(body());
   } catch (const InputError& e) {
     say(e.what());
+    return kBadInput;
+  } catch (const std::filesystem::filesystem_error& e) {  // a name that no file system takes, a link that goes round
+    say((e.path1().empty() ? "a file" : e.path1().string()) + ": cannot be used (" + e.code().message() +
+        "); expected a file or folder that can be reached");
     return kBadInput;
   } catch (const std::bad_alloc&) {
     say("not enough memory for this input; expected a smaller body or larger cells (--cell-mm)");

@@ -312,6 +312,7 @@ int run_operate(const OperateOptions& opt) {
 
   Result result("operate", scene.name);
   std::vector<Row> rows;
+  std::vector<ResultVerdict> verdict;  // of the finest
   bool at_rest = true;
   for (size_t i = 0; i < cells.size(); ++i) {
     WorldSpec spec = world_spec(scene, body);
@@ -365,8 +366,14 @@ int run_operate(const OperateOptions& opt) {
     if (i + 1 < cells.size()) continue;
     fill_operation(result, world, scene, o, rows.back().key);
     fill_closure(result, o.closure);
-    print_judgements(fill_exercise(result, exercise(actions, rows.back().key, planned), rows.back().key,
-                                   lesson ? &*lesson : nullptr));
+    const std::vector<Judgement> judged = fill_exercise(result, exercise(actions, rows.back().key, planned),
+                                                        rows.back().key, lesson ? &*lesson : nullptr);
+    print_judgements(judged);
+    VerdictOf look;
+    look.metrics = &rows.back().key, look.body = body.get(), look.cell_mm = cells[i], look.judged = judged;
+    look.residual = o.last.residual;
+    verdict = verdict_of(look);
+    fill_verdict(result, verdict);
     if (!opt.fields.empty()) write_fields(opt.fields, world);
     if (!opt.common.out_dir.empty()) {
       Snapshot last;
@@ -378,10 +385,12 @@ int run_operate(const OperateOptions& opt) {
   ResultStory story = made_by(this_call());
   story.script = script_of(actions);
   write_fields(result, "", story);
-  result.set_ok(at_rest);
+  const bool reached = at_rest && !is_bad(verdict);
+  result.set_ok(reached);
   leave_result(result, opt.common);
+  print_verdict(verdict);
   if (!at_rest) say("the patient did not come to rest: relative residual above 1e-4");
-  return at_rest ? kDone : kGoalMissed;
+  return reached ? kDone : kGoalMissed;
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "app/result/session_result.h"
 #include "app/session/clock.h"
 #include "app/session/workers_pool.h"
+#include "sim/patient/soft_tissue.h"
 
 namespace limberg {
 
@@ -59,10 +60,26 @@ int operate_head(const Scene& scene, const Script& script, const CommonOptions& 
   story.script = script_of(actions);
   write_fields(r, "", story);
   fill_head(r, head);
-  if (world->skin()) fill_metrics(r, measure_world(*world, actions));
+  VerdictOf look;
+  look.residual = o.last.residual;
+  std::optional<Metrics> metrics;
+  if (world->skin()) {
+    metrics = measure_world(*world, actions);
+    fill_metrics(r, *metrics);
+    look.metrics = &*metrics, look.body = world->skin()->spec().body.get(),
+    look.cell_mm = world->skin()->spec().cell_mm;
+  }
+  if (head.has_face()) {
+    Snapshot s;
+    patient.fill(s);
+    look.bone = bone_outside(s);
+  }
+  const std::vector<ResultVerdict> verdict = verdict_of(look);
+  fill_verdict(r, verdict);
   for (const StageRow& s : o.stages) append(r, "/stages", stage_of(s));
   const bool at_rest = o.last.residual <= 1e-4;
-  r.set_ok(at_rest);
+  const bool reached = at_rest && !is_bad(verdict);
+  r.set_ok(reached);
   if (!common.out_dir.empty()) {
     Snapshot last;
     patient.fill_with_field(last);
@@ -71,8 +88,9 @@ int operate_head(const Scene& scene, const Script& script, const CommonOptions& 
   }
   write_fields(r, "", made_by(this_call()));
   leave_result(r, common);
+  print_verdict(verdict);
   if (!at_rest) say("the patient did not come to rest: the face still moves");
-  return at_rest ? kDone : kGoalMissed;
+  return reached ? kDone : kGoalMissed;
 }
 
 }  // namespace limberg

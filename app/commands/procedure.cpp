@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <filesystem>
 
 #include "app/commands/numbers.h"
 #include "app/commands/session_command.h"
@@ -39,6 +40,11 @@ int list() {
 int procedure(ProcedureOptions o) {
   if (o.name.empty()) return list();
   if (!o.svg.empty()) check_writable(o.svg), check_replaces_drawing(o.svg);
+  if (!o.out.empty()) {
+    check_writable(o.out);
+    if (std::error_code ec; !o.replace && std::filesystem::is_regular_file(o.out, ec))
+      throw InputError(o.out, 0, "exists already; expected the name of a new file, or --replace");
+  }
   const Procedure& p = find_procedure(o.name);
   const std::vector<double> values = procedure_values(p, o.settings);
   const Figure figure = p.figure(values);
@@ -69,9 +75,7 @@ int procedure(ProcedureOptions o) {
   }
   if (!o.svg.empty()) write_whole_file(o.svg, plan_svg(figure, title));
   if (!o.out.empty()) {
-    ScriptWriter writer(o.out, script.header,
-                        o.replace ? ScriptWriter::Existing::replace : ScriptWriter::Existing::refuse);
-    for (const ScriptLine& l : script.lines) writer.append(l.command);
+    write_whole_file(o.out, to_text(script));
     std::printf("%zu actions in %s; limberg operate %s %s carries them out\n", script.lines.size(), o.out.c_str(),
                 o.scene.c_str(), o.out.c_str());
   }

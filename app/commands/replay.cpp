@@ -57,15 +57,18 @@ int replay(const ReplayOptions& o) {
   call.scene = std::move(u.scene);
   call.scene_files = u.files;
   call.calibration = unbundle_calibration(rec, o.recording);
-  call.real_time = o.real_time;
+  call.real_time = o.real_time, call.hand_waits = true;
   call.progressive_cut = (rec.session->seeds[2] & SessionInfo::kProgressiveCut) != 0;
   call.ticks_per_solver_step = std::max(1, rec.session->ticks_per_solver_step);
   call.expected = rec.checkpoints;
+  call.expected_states = rec.states;
+  call.recorded_by = rec.session->program;
   if (rec.end) {
     call.end_tick = rec.end->tick;
     call.expected.push_back({rec.end->tick, rec.end->hash});
   }
-  if ((call.point = o.automatic.apply(call.scene))) call.expected.clear();  // another lattice: nothing to compare with
+  if ((call.point = o.automatic.apply(call.scene)))
+    call.expected.clear(), call.expected_states.clear();  // another lattice: nothing to compare with
   const bool as_it_was = !o.real_time && !o.even_clock && !call.point &&
                          rec.damage.total() == rec.damage.truncated;  // a killed session ends within an event
   if (as_it_was && rec.schedule.usable()) {
@@ -74,7 +77,8 @@ int replay(const ReplayOptions& o) {
     call.known_length_s = double(call.schedule.solver.back().tick) * 1e-3;
   } else {
     if (rec.schedule.usable())
-      call.expected.clear();  // hashes of a live session are those of its own interleaving
+      call.expected.clear(),
+          call.expected_states.clear();  // hashes of a live session are those of its own interleaving
     else if (rec.schedule.broken)
       say(o.recording + ": what its threads found is not whole: replayed on an even clock, not exactly as it was");
     auto source = std::make_unique<LogSource>(std::move(rec.samples), rec.damage.total());

@@ -122,6 +122,7 @@ int run_session(const RunOptions& o) {
     say("opening a window; ? in it lists keys and mouse, closing it ends the session");
   else if (!call.live_sources.empty() && o.seconds <= 0)
     say("listening until Ctrl-C");
+  call.hand_waits = call.live_sources.empty() && !o.devices.empty();
   if (o.seconds > 0) call.end_tick = int64_t(o.seconds * 1000);
   call.known_length_s = o.seconds;
   call.record_file = o.record;

@@ -24,6 +24,7 @@
 #include "app/session/realtime.h"
 #include "render/gl_context.h"
 #include "sim/base/error.h"
+#include "sim/fem/solver/engine.h"
 #include "sim/patient/soft_tissue.h"
 
 namespace limberg {
@@ -42,10 +43,20 @@ bool is_special(const std::string& file) {
   return stat(file.c_str(), &st) == 0 && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode);
 }
 
+/// Version, commit, compiler and instructions: all that could make two programs differ.
+std::string build_name() {
+  return program_name() + ", " + compiler() + ", " + processor() + " " + fem::default_kernels().name;
+}
+
+int64_t utc_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
 std::unique_ptr<Recorder> open_recorder(const SessionCall& call, Assembly& a) {
   if (call.record_file.empty()) return nullptr;
   SessionInfo info;
-  info.program = program_name().substr(0, 95);
+  info.program = build_name().substr(0, 95);
   info.scene_name = a.scene.name.substr(0, 63);
   info.scene_hash = a.scene.hash;
   info.calibration_hash = calibration_hash(a.calibration);
@@ -53,22 +64,36 @@ std::unique_ptr<Recorder> open_recorder(const SessionCall& call, Assembly& a) {
   info.ticks_per_solver_step = a.session_settings().ticks_per_solver_step;
   info.ticks_per_frame = a.session_settings().ticks_per_frame;
   info.solver_delay_ticks = 0;
-  info.utc_start_ns =
-      call.real_time
-          ? std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
-                .count()
-          : 0;  // a virtual clock began at no time: the same call writes the same bytes
+  info.utc_start_ns = call.real_time ? utc_ns() : 0;  // a virtual clock began at no time: the same call, the same bytes
   return std::make_unique<Recorder>(a.channels, call.record_file, info, bundle(a.scene, a.calibration),
                                     call.replace_record || is_special(call.record_file));
 }
 
-/// checkpoints: hashes of the recorded run that were met again.
+/// checkpoints: hashes of the recorded run that were met again. difference_mm, difference_N: where not all were, the
+/// largest distance of a sampled place and the largest difference of a sum of forces (devices/state_sample.h).
 struct ResultCheckpoints {
   int64_t compared, equal;
   Maybe first_difference_s;
+  Maybe difference_mm, difference_N;
 };
 void fields(ResultCheckpoints& x, auto&& f) {
   f("compared", x.compared), f("equal", x.equal), f("first_difference_s", x.first_difference_s);
+  f("difference_mm", x.difference_mm), f("difference_N", x.difference_N);
+}
+
+/// recorded_by: the program that made a recording, as its header says; simd and compiler absent in headers of old.
+struct ResultRecordedBy {
+  std::string version, simd, compiler;
+};
+void fields(ResultRecordedBy& x, auto&& f) { f("version", x.version), f("simd", x.simd), f("compiler", x.compiler); }
+
+/// Of what build_name() wrote.
+ResultRecordedBy recorded_by(const std::string& program) {
+  const size_t compiler = program.find(", "), machine = program.find(", ", compiler == program.npos ? 0 : compiler + 2);
+  ResultRecordedBy by{program.substr(0, compiler), "", ""};
+  if (compiler != program.npos) by.compiler = program.substr(compiler + 2, machine - compiler - 2);
+  if (machine != program.npos && machine != compiler) by.simd = program.substr(machine + 2);
+  return by;
 }
 
 /// failure: of a lane, and with it of the session. recording: what is kept of it.
@@ -81,7 +106,28 @@ void fields(ResultFailure& x, auto&& f) {
   f("where", x.where), f("what", x.what), f("at_s", x.at_s), f("recording", x.recording);
 }
 
-void compare_checkpoints(Result& r, const SessionCall& call, const SessionFigures& f) {
+/// ": by at most 0.02 mm and 0.1 N where it was sampled".
+std::string amount_of(const StateDifference& d) {
+  if (d.compared == 0) return "";  // recorded before places were
+  std::string s;
+  if (d.compared > d.other_topology)
+    s = fmt::format(": by at most {:.2g} mm, and {:.2g} N of stitches or hooks, where it was sampled", d.mm, d.N);
+  if (d.other_topology > 0)
+    s += fmt::format("{} in {} of {} samples the cuts are others", s.empty() ? ":" : ";", d.other_topology, d.compared);
+  return s;
+}
+
+std::string reason_for(const SessionCall& call) {
+  if (call.damage.total() > 0) return "the recording is damaged (below)";
+  if (call.recorded_by == build_name()) return "it was made by this very program: please report it as a defect";
+  return "it was made by " + call.recorded_by + ", this is " + build_name();
+}
+
+void compare_checkpoints(Result& r, const SessionCall& call, const SolverLane& solver, const SessionFigures& f) {
+  if (!call.recorded_by.empty()) {
+    ResultRecordedBy by = recorded_by(call.recorded_by);
+    write_fields(r, "/recorded_by", by);
+  }
   int64_t compared = f.hashes_compared, equal = f.hashes_equal, first_difference = f.first_difference_tick;
   for (const Checkpoint& want : call.expected)
     for (const Checkpoint& got : f.checkpoints)
@@ -96,10 +142,12 @@ void compare_checkpoints(Result& r, const SessionCall& call, const SessionFigure
   if (compared == 0) return;
   ResultCheckpoints c{compared, equal, {}};
   if (first_difference >= 0) c.first_difference_s = double(first_difference) * 1e-3;
+  const StateDifference& d = solver.difference();
+  if (first_difference >= 0 && d.compared > d.other_topology) c.difference_mm = d.mm, c.difference_N = d.N;
   write_fields(r, "/checkpoints", c);
   if (first_difference >= 0)
-    say("this run differs from the recorded one from second " + std::to_string(first_difference / 1000) +
-        " on (another version, another instruction set, or a damaged recording)");
+    say("this run differs from the recorded one from second " + std::to_string(first_difference / 1000) + " on" +
+        amount_of(d) + "; " + reason_for(call));
 }
 
 /// What each live device sent; of one that sent nothing also why, where it says so.
@@ -164,9 +212,9 @@ class AsideRecording {
   std::string keep() const {
     std::string name;
     int n = 0;
-    do name = dir_ + "/limberg-" + std::to_string(++n) + ".lcm";
-    while (std::filesystem::exists(name));
     std::error_code ec;
+    do name = dir_ + "/limberg-" + std::to_string(++n) + ".lcm";
+    while (std::filesystem::exists(name, ec));
     std::filesystem::copy_file(file_, name, ec);
     if (ec)
       throw InputError(name, 0,
@@ -238,7 +286,7 @@ std::optional<AsideRecording> settle_recording(SessionCall& call) {
   }
   if (!call.record_file.empty() && !is_special(call.record_file)) {
     check_writable(call.record_file);
-    if (!call.replace_record && std::filesystem::exists(call.record_file))
+    if (std::error_code ec; !call.replace_record && std::filesystem::exists(call.record_file, ec))
       throw InputError(call.record_file, 0, "exists already; expected the name of a new file, or --replace");
     check_replaces_recording(call.record_file);
   }
@@ -251,7 +299,7 @@ AssemblyOptions assembly_options(const SessionCall& call) {
   o.record = !call.record_file.empty();
   o.real_time = call.real_time;
   o.progressive_cut = call.progressive_cut;
-  o.draw_frames = !call.common.out_dir.empty() || call.real_time;
+  o.draw_frames = !call.common.out_dir.empty();  // else nobody sees them; a window or a film says so itself
   o.repro_dir = call.common.repro();
   if (!call.common.out_dir.empty()) o.script_file = call.common.out_dir + "/session.jsonl";
   return o;
@@ -337,13 +385,14 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   OffscreenFrames frames(call.scene, 640, 480);
   if (o.draw_frames) o.sink = &frames;
   std::unique_ptr<SessionWindow> window = open_window(call);
-  if (window) o.sink = &window->sink();
+  if (window) o.sink = &window->sink(), o.draw_frames = true;
   std::unique_ptr<Film> film;
   if (call.film) {
     film = std::make_unique<Film>(call.scene, *call.film);
     o.sink = film.get(), o.draw_frames = true;
   }
   Assembly a(std::move(call.scene), call.calibration, o);
+  a.solver.expect(std::move(call.expected_states));
   call.scene_files.reset();
   for (auto& s : call.sources) a.front.add(std::move(s));
   TakenSource* taken = nullptr;
@@ -360,6 +409,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   if (call.ticks_per_solver_step > 0) set.ticks_per_solver_step = call.ticks_per_solver_step;
   set.end_tick = call.end_tick;
   set.stop_when_recording_fails = call.command == "emulate";
+  set.hand_waits = call.hand_waits;
   set.settle_when_closed = call.lesson.has_value();  // a judge looks at the patient at rest
   set.interrupted = interrupted;
   set.progress = progress_line(call, progress);
@@ -377,6 +427,8 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   if (a.head && !call.common.out_dir.empty()) a.patient->fill_with_field(first);  // for the pictures
   std::optional<SessionFailure> failure;
   const auto connect = [&](int64_t start_ns) {
+    // Between the opening of the recording and tick 0 lie seconds.
+    if (recorder) recorder->began(utc_ns() + start_ns - RealClock::monotonic_ns());
     for (const LiveSource& live : call.live_sources) {
       auto source = live({start_ns, a.channels.press});
       devices.push_back(source.get());
@@ -402,20 +454,23 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
 
   // What it leaves.
   Result result(call.command, a.scene.name);
-  fill_session(result, a, f, call.real_time, call.lesson ? &*call.lesson : nullptr);
+  const std::vector<ResultVerdict> verdict =
+      fill_session(result, a, f, call.real_time, call.lesson ? &*call.lesson : nullptr);
   if (call.point) fill_operating_point(result, *call.point);
   fill_damage(result, call.damage);
-  if (!call.real_time) compare_checkpoints(result, call, f);
+  if (!call.real_time) compare_checkpoints(result, call, a.solver, f);
   tell_story(result, call, a, recorder.get());
   tell_devices(result, call.live_names, devices);
   if (after) after(result, a);
   const bool recording_failed = recorder && recorder->failed();
   const bool at_rest = f.interrupted || f.closed || a.solver.at_rest(1e-4);
-  result.set_ok(at_rest && !recording_failed);
+  const bool reached = at_rest && !is_bad(verdict);
+  result.set_ok(reached && !recording_failed);
   const std::optional<InputError> unwritten = leave_pictures(result, call, a, first);
   print_summary(call, a, f);
   leave_recording(aside, keep, call, recorder.get());
   leave_result(result, call.common);
+  print_verdict(verdict);
   if (unwritten) throw InputError(*unwritten);
   if (recording_failed) {
     say("the recording is cut short: " + recorder->error());
@@ -424,7 +479,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   if (f.interrupted) say("interrupted; what was done and recorded until then is kept");
   if (!at_rest) say("the patient did not come to rest: relative residual above 1e-4");
   if (call.damage.total() > 0) return kGoalMissed;  // not all of what was recorded could be replayed
-  return at_rest ? kDone : kGoalMissed;
+  return reached ? kDone : kGoalMissed;
 }
 
 }  // namespace limberg

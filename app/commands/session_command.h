@@ -22,6 +22,7 @@ struct SessionCall {
   std::shared_ptr<void> scene_files;
   Calibration calibration;
   bool real_time = false;
+  bool hand_waits = false;       // in real time: nobody's hand but an emulated or a recorded one (session.h)
   bool progressive_cut = false;  // incisions open while they are drawn; recordings say whether they did
   std::vector<std::unique_ptr<Source>> sources;
   std::vector<LiveSource> live_sources;  // made when the clock starts
@@ -37,6 +38,8 @@ struct SessionCall {
   LiveSchedule schedule;             // of a live recording: it is done again as it was
   std::vector<Sample> taken;         // its samples, in the order in which they were recorded
   std::vector<Checkpoint> expected;  // of a recording: compared in lockstep
+  std::vector<StateSample> expected_states;
+  std::string recorded_by;  // of a recording: SessionInfo::program
   LogDamage damage;
   std::string reproduce;                       // the command that makes the result again
   std::optional<bench::OperatingPoint> point;  // that the scene was set to (--auto)

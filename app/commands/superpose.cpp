@@ -207,8 +207,9 @@ int images(const SuperposeOptions& o, Result& result, ResultSuperposition& found
 
 int run_superpose(const SuperposeOptions& o) {
   for (const std::string& given : {o.a, o.b})
-    if (!given.empty() && !std::filesystem::exists(given))
-      throw InputError(given, 0, "cannot be read (No such file or directory); expected a surface or an image");
+    if (std::error_code ec; !given.empty() && !std::filesystem::exists(given, ec))
+      throw InputError(given, 0,
+                       "cannot be read (" + (ec ? ec.message() : "no such file") + "); expected a surface or an image");
   o.common.prepare();
   WorkersPool workers(o.common.worker_count());
   Progress progress("superpose");

@@ -1,19 +1,22 @@
 #include "app/head/cache.h"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <charconv>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <optional>
+#include <span>
 #include <sstream>
+#include <string_view>
 
 #include "app/program/version.h"
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
+#include "sim/base/whole_file.h"
 #include "sim/skull/simplex/file.h"
 
 namespace limberg {
@@ -45,14 +48,41 @@ std::string name_of(const HeadSpec& s) {
 constexpr const char* kPartNames[] = {"cranium", "mandible", "face"};
 simplex::Mesh& part(HeadModel& m, int k) { return k == 0 ? m.cranium : k == 1 ? m.mandible : m.face; }
 
+std::string file_of(const fs::path& folder, int k) {
+  return (folder / (std::string(kPartNames[k]) + ".simplex")).string();
+}
+std::string landmarks_of(const fs::path& folder) { return (folder / "landmarks.txt").string(); }
+
+/// Ours, and nobody else can put anything there. A link is none.
+bool is_private(const fs::path& folder) {
+  struct stat st {};
+  return lstat(folder.c_str(), &st) == 0 && S_ISDIR(st.st_mode) && st.st_uid == geteuid() &&
+         (st.st_mode & (S_IWGRP | S_IWOTH)) == 0;
+}
+
+/// Its first line says what all the rest and the meshes hash to: what was cut off or changed is not believed.
+constexpr std::string_view kFirstWord = "landmarks ";
+constexpr size_t kFirstLine = kFirstWord.size() + 17;
+
+std::string first_line(std::span<const std::string> meshes, std::string_view landmarks) {
+  Hash64 h;
+  for (const std::string& mesh : meshes) h.add(mesh);
+  h.add(std::string(landmarks));
+  return fmt::format("{}{:016x}\n", kFirstWord, h.value());
+}
+
 std::optional<HeadModel> read(const fs::path& folder) {
-  std::error_code none;
-  if (folder.empty() || !fs::is_directory(folder, none)) return {};
+  if (folder.empty() || !is_private(folder.parent_path()) || !is_private(folder)) return {};
   try {
     HeadModel m;
-    for (int k = 0; k < 3; ++k)
-      part(m, k) = simplex::load_mesh((folder / (std::string(kPartNames[k]) + ".simplex")).string());
-    std::ifstream in(folder / "landmarks.txt");
+    std::array<std::string, 3> mesh;
+    for (int k = 0; k < 3; ++k) mesh[size_t(k)] = read_whole_file(file_of(folder, k), simplex::FileLimits::file_bytes);
+    const std::string text = read_whole_file(landmarks_of(folder), size_t(1) << 20);
+    if (text.size() <= kFirstLine) return {};
+    const std::string_view rest = std::string_view(text).substr(kFirstLine);
+    if (!text.starts_with(first_line(mesh, rest))) return {};
+    for (int k = 0; k < 3; ++k) part(m, k) = simplex::parse_mesh(mesh[size_t(k)], kPartNames[k]);
+    std::istringstream in{std::string(rest)};
     std::string name, x[3];
     while (in >> name >> x[0] >> x[1] >> x[2]) {
       Vec3 at;
@@ -60,7 +90,6 @@ std::optional<HeadModel> read(const fs::path& folder) {
         if (std::from_chars(x[k].data(), x[k].data() + x[k].size(), at[k]).ec != std::errc()) return {};
       m.landmarks.emplace_back(name, at);
     }
-    if (m.landmarks.empty()) return {};
     return m;
   } catch (const InputError&) {
     return {};  // damaged: it is made anew
@@ -70,23 +99,26 @@ std::optional<HeadModel> read(const fs::path& folder) {
 /// Whole or not at all: into a folder of its own first, which then gets the name.
 void keep(const fs::path& folder, HeadModel& m) {
   std::error_code ec;
-  const fs::path aside = folder.string() + "." + std::to_string(getpid());
-  fs::create_directories(aside, ec);
-  if (ec) return;
+  const fs::path cache = folder.parent_path();
+  if (fs::create_directories(cache, ec)) fs::permissions(cache, fs::perms::owner_all, ec);
+  if (!is_private(cache)) return;
+  std::string aside = (cache / "head-XXXXXX").string();
+  if (!mkdtemp(aside.data())) return;  // for its owner only
   try {
-    for (int k = 0; k < 3; ++k)
-      simplex::save_mesh(part(m, k), (aside / (std::string(kPartNames[k]) + ".simplex")).string());
-    std::ofstream out(aside / "landmarks.txt");
+    std::array<std::string, 3> mesh;
+    for (int k = 0; k < 3; ++k) write_whole_file(file_of(aside, k), mesh[size_t(k)] = simplex::to_text(part(m, k)));
+    std::string text;
     for (const auto& [name, at] : m.landmarks) {
-      out << name;
+      text += name;
       for (int k = 0; k < 3; ++k) {
-        char text[40];
-        out << ' ' << std::string_view(text, size_t(std::to_chars(text, text + sizeof text, at[k]).ptr - text));
+        char number[40];
+        text += ' ';
+        text.append(number, std::to_chars(number, number + sizeof number, at[k]).ptr);
       }
-      out << '\n';
+      text += '\n';
     }
-    out.close();
-    if (out) fs::remove_all(folder, ec), fs::rename(aside, folder, ec);
+    write_whole_file(landmarks_of(aside), first_line(mesh, text) + text);
+    fs::remove_all(folder, ec), fs::rename(aside, folder, ec);
   } catch (const InputError&) {
   }
   fs::remove_all(aside, ec);
@@ -95,7 +127,11 @@ void keep(const fs::path& folder, HeadModel& m) {
 }  // namespace
 
 HeadModel cached_head(const HeadSpec& spec, Workers& workers) {
-  const fs::path cache = cache_folder(), folder = cache.empty() ? cache : cache / name_of(spec);
+  return cached_head(spec, workers, cache_folder().string());
+}
+
+HeadModel cached_head(const HeadSpec& spec, Workers& workers, const std::string& cache_folder) {
+  const fs::path cache = cache_folder, folder = cache.empty() ? cache : cache / name_of(spec);
   if (std::optional<HeadModel> kept = read(folder)) return std::move(*kept);
   HeadModel m = make_head(spec, workers);
   for (int k = 0; k < 3; ++k) part(m, k) = simplex::parse_mesh(simplex::to_text(part(m, k)), kPartNames[k]);

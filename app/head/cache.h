@@ -4,7 +4,10 @@
 // and of the program, and the next start reads them in a tenth of the time.
 //
 // Made or read, the meshes are the same to the last bit: a made one goes through the same text. A cache that is
-// missing, damaged or not writable is no error: the head is made. LIMBERG_CACHE names another folder; empty: none.
+// missing, damaged (a hash over all of it tells), another's, writable for others or not writable is no error: the head
+// is made. Heads are kept for their owner only. LIMBERG_CACHE names another folder; empty: none.
+#include <string>
+
 #include "sim/imaging/synthetic/synthetic_head.h"
 
 namespace limberg {
@@ -12,5 +15,7 @@ namespace limberg {
 /// make_head, or what an earlier call of this program with the
 /// same proportions has left. Throws InputError as make_head.
 HeadModel cached_head(const HeadSpec& spec, Workers& workers);
+/// The same with the heads in this folder; empty: nowhere.
+HeadModel cached_head(const HeadSpec& spec, Workers& workers, const std::string& cache_folder);
 
 }  // namespace limberg

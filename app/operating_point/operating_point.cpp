@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
 #include <sstream>
 
 #include "app/result/json_nesting.h"
 #include "app/result/read_result.h"
 #include "calibration/toml.h"
 #include "sim/base/error.h"
+#include "sim/base/whole_file.h"
 
 namespace limberg {
 namespace {
@@ -56,12 +56,11 @@ bench::OperatingPoint read_operating_point(const std::string& file, const Scene&
   const auto wrong = [&](const std::string& what) {
     return InputError(file, 0, what + "; expected the result.json of limberg bench accuracy " + scene.name);
   };
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (!in || text.str().empty()) throw wrong("cannot be read");
-  if (json_nesting(text.str()) > 64) throw wrong("nests deeper than 64 levels");
-  const nlohmann::json j = nlohmann::json::parse(text.str(), nullptr, false);
+  constexpr size_t kMost = size_t(64) << 20;
+  const std::string text = read_whole_file(file, kMost, "the result.json of limberg bench accuracy " + scene.name);
+  if (text.empty()) throw wrong("is empty");
+  if (json_nesting(text) > 64) throw wrong("nests deeper than 64 levels");
+  const nlohmann::json j = nlohmann::json::parse(text, nullptr, false);
   if (!j.is_object() || !j.contains("operating_point") || !j["operating_point"].is_object())
     throw wrong("holds no operating point");
   ResultOperatingPoint o;

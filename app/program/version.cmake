@@ -10,6 +10,26 @@ namespace limberg {
 const char* version() { return \"${VERSION}\"; }
 const char* commit() { return \"${commit}\"; }
 std::string program_name() { return std::string(\"limberg \") + version() + \" (\" + commit() + \")\"; }
+#ifdef __clang__
+std::string compiler() {
+  return \"clang \" + std::to_string(__clang_major__) + \".\" + std::to_string(__clang_minor__) + \".\" +
+         std::to_string(__clang_patchlevel__);
+}
+#else
+std::string compiler() {
+  return \"g++ \" + std::to_string(__GNUC__) + \".\" + std::to_string(__GNUC_MINOR__) + \".\" +
+         std::to_string(__GNUC_PATCHLEVEL__);
+}
+#endif
+const char* processor() {
+#if defined(__x86_64__)
+  return \"x86_64\";
+#elif defined(__aarch64__)
+  return \"aarch64\";
+#else
+  return \"another processor\";
+#endif
+}
 }  // namespace limberg
 ")
 set(old "")

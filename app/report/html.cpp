@@ -4,10 +4,10 @@
 
 #include <cmath>
 #include <cstdint>
-#include <fstream>
 
 #include "render/image.h"
 #include "sim/base/error.h"
+#include "sim/base/whole_file.h"
 
 namespace limberg::html {
 
@@ -72,21 +72,14 @@ std::string base64(std::string_view bytes) {
 std::string svg_data_url(std::string_view svg) { return "data:image/svg+xml;base64," + base64(svg); }
 
 std::string png_data_url(const std::string& file, int widest) {
-  constexpr std::streamoff limit = 32 << 20;
-  std::ifstream in(file, std::ios::binary | std::ios::ate);
-  if (!in) return {};
-  const std::streamoff size = in.tellg();
-  if (size < 8 || size > limit) return {};
-  std::string bytes(size_t(size), '\0');
-  in.seekg(0);
-  if (!in.read(bytes.data(), size) || bytes.compare(0, 8, "\x89PNG\r\n\x1a\n") != 0) return {};
   try {
-    const Image image = read_png(file);
+    std::string bytes = read_whole_file(file, kMostPng, "a PNG picture");
+    const Image image = decode_png(bytes, file);
     if (const int factor = (image.width + widest - 1) / widest; factor > 1) bytes = encode_png(shrink(image, factor));
+    return bytes.empty() ? std::string() : "data:image/png;base64," + base64(bytes);
   } catch (const InputError&) {
-    return {};  // damaged
+    return {};  // none, or damaged
   }
-  return bytes.empty() ? std::string() : "data:image/png;base64," + base64(bytes);
 }
 
 }  // namespace limberg::html

@@ -1,8 +1,6 @@
 #include "app/report/report.h"
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include "app/report/page.h"
 #include "app/report/report_data.h"
@@ -32,11 +30,7 @@ std::string read_result_file(const std::string& dir) {
   std::error_code none;
   if (!fs::is_directory(dir, none))
     throw InputError(dir, 0, "is no folder; expected one that a run has left, with result.json");
-  const std::string source = result_file(dir);
-  std::ifstream in(source, std::ios::binary);
-  if (!in || !fs::is_regular_file(source, none))
-    throw InputError(source, 0, "cannot be read; expected the result of a run");
-  return {(std::istreambuf_iterator<char>(in)), {}};
+  return read_whole_file(result_file(dir), size_t(256) << 20, "the result of a run");
 }
 
 std::string report_html(const std::string& result_json, const std::string& dir) {

@@ -124,6 +124,7 @@ ReportData read_report_data(const std::string& text, const std::string& file) {
     for (const auto& [name, e] : errors.items()) read(e, d.errors[name]);
   if (d.command == "study") read_study(j, d);
   if (d.command == "study" || d.command == "bench") read(member(j, "bars"), d.bars);
+  read(member(j, "verdict"), d.verdict);
   read_charts(j, d);
 
   const Json& exercise = member(j, "exercise");

@@ -30,6 +30,7 @@ struct ReportData : ResultOrigin, ResultRun {
   std::vector<std::string> study_columns;
   std::vector<std::vector<Maybe>> study_rows;  // as the columns
   std::vector<Bar> bars;
+  std::vector<ResultVerdict> verdict;  // bad lines first, as it was written
   std::vector<ResultChart> charts;
   std::vector<ResultTable> tables;
   std::map<std::string, double> exercise;  // and "design/..."

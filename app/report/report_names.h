@@ -39,6 +39,8 @@
 //   "exercise":    {name: number, "design": {name: number}}; "lesson": {"title", "goal", "tolerances": [{"name",
 //   "unit", "limit",
 //                  "value" (absent: not measured, "why"), "met"}], "hints": [...]}
+//   "verdict":     [{"what", "value", "unit", "limit", "place", "light" (bad, warn, told, good), "source"}]  bad first
+//   "solver":      also "hand" ("waits" or "live") and "waited_ms": for so long the clock was held for the patient
 //   "script":      ["{...}", ...] the operation, one JSON line each (strings or objects)
 //   "reproduce":   "limberg replay ..."  the command that makes this result again
 //   "damage":      {...}  what was lost of a damaged recording: shown as a notice, as it stands

@@ -8,6 +8,7 @@
   X(study)       /* a family's charts, bars and rows */        \
   X(story)       /* the operation, stage by stage */           \
   X(gallery)     /* more pictures, before and after */         \
+  X(verdict)     /* everything that was looked at */           \
   X(tension)     /* maps of the skin */                        \
   X(sutures)     /* force and gap of each stitch */            \
   X(closing)     /* what it came to: forces, tables, charts */ \

@@ -1,5 +1,5 @@
 #pragma once
-// Where results go: checked before work starts, written whole or not at all.
+// Where results go: checked before work starts, written whole or not at all (sim/base/whole_file.h).
 #include <string>
 
 #include "sim/base/whole_file.h"
@@ -22,8 +22,5 @@ inline void check_replaces_drawing(const std::string& file) { check_replaces(fil
 inline void check_replaces_recording(const std::string& file) {
   check_replaces(file, "\xED\xA1\xDA\x01", "a recording");
 }
-
-/// The file's bytes. InputError: missing, a folder, unreadable or larger than `limit`.
-std::string read_whole_file(const std::string& file, size_t limit = size_t(256) << 20);
 
 }  // namespace limberg

@@ -4,6 +4,7 @@
 
 #include <cstdio>
 
+#include "app/program/shown.h"
 #include "app/session/clock.h"
 
 namespace limberg {
@@ -27,7 +28,7 @@ void Progress::show(double done, double total, const char* unit) {
 void Progress::note(const std::string& text) {
   if (!terminal_) return;
   shown_ = true;
-  std::fprintf(stderr, "\r%s  %s\033[K", label_.c_str(), text.c_str());
+  std::fprintf(stderr, "\r%s  %s\033[K", label_.c_str(), shown(text).c_str());
   std::fflush(stderr);
 }
 
@@ -39,11 +40,7 @@ void Progress::clear() {
 
 void say(const std::string& line) {
   if (isatty(STDERR_FILENO) == 1) std::fputs("\r\033[K", stderr);
-  // What a damaged file holds is quoted, but a terminal is given no commands by it.
-  std::string shown = line;
-  for (char& c : shown)
-    if ((static_cast<unsigned char>(c) < ' ' && c != '\n' && c != '\t') || c == 127) c = '?';
-  std::fprintf(stderr, "limberg: %s\n", shown.c_str());
+  std::fprintf(stderr, "limberg: %s\n", shown(line).c_str());
 }
 
 }  // namespace limberg

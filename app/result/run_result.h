@@ -65,8 +65,11 @@ void fields(ResultDevice& x, auto&& f) {
   f("sources", x.sources);
 }
 
+/// hand: "waits" or "live", of a session in real time; waited_ms: for so long its clock was held for the patient.
 struct ResultSolver {
   MaybeCount steps, late_steps, skipped_steps;
+  MaybeText hand;
+  Maybe waited_ms;
   ResultTimes step_ms;
   Maybe residual, distance_mm;
   MaybeCount settle_steps;
@@ -74,6 +77,7 @@ struct ResultSolver {
 };
 void fields(ResultSolver& x, auto&& f) {
   f("steps", x.steps), f("late_steps", x.late_steps), f("skipped_steps", x.skipped_steps), f("step_ms", x.step_ms);
+  f("hand", x.hand), f("waited_ms", x.waited_ms);
   f("residual", x.residual), f("distance_mm", x.distance_mm), f("settle_steps", x.settle_steps);
   f("describe", x.describe);
 }

@@ -92,6 +92,20 @@ void fields(ResultTable& x, F&& f) {
   f("title", x.title), f("about", x.about), f("columns", x.columns), f("rows", x.rows);
 }
 
+/// verdict: what was looked at, what is bad first. value, limit: no number where there is none. light: verdict_words.h.
+struct ResultVerdict {
+  std::string what;
+  double value = std::numeric_limits<double>::quiet_NaN();
+  std::string unit;
+  double limit = std::numeric_limits<double>::quiet_NaN();
+  std::string place, light, source;  // source: where the limit comes from
+};
+template <class F>
+void fields(ResultVerdict& x, F&& f) {
+  f("what", x.what), f("value", x.value), f("unit", x.unit), f("limit", x.limit), f("place", x.place);
+  f("light", x.light), f("source", x.source);
+}
+
 /// lesson/tolerances
 struct ResultTolerance {
   std::string name, unit;

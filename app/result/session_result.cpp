@@ -69,6 +69,7 @@ ResultSolver solver_of(Assembly& a, const SessionFigures& f) {
   s.residual = a.solver.last().residual;
   s.distance_mm = a.solver.last().distance_mm;
   s.settle_steps = f.settle_steps;
+  if (!f.hand.empty()) s.hand = f.hand, s.waited_ms = double(f.waited_ns) * 1e-6;
   s.describe = a.world->skin() ? a.world->skin()->solver().describe() : std::string("simplex meshes of face and bone");
   return s;
 }
@@ -110,7 +111,37 @@ MaybeList<std::string> script_of(std::span<const Command> done) {
   return unless_empty(std::move(lines));
 }
 
-void fill_session(Result& r, Assembly& a, const SessionFigures& f, bool real_time, const Lesson* lesson) {
+void fill_verdict(Result& r, std::span<const ResultVerdict> verdict) {
+  r.set_empty_list("/verdict");
+  for (const ResultVerdict& v : verdict) {
+    const std::string at = "/verdict/" + std::to_string(r.entries("/verdict"));
+    write_fields(r, at, v);
+    if (v.unit.empty()) r.set(at + "/unit", "");  // of every line, that a reader need not ask
+    if (v.place.empty()) r.set(at + "/place", "");
+  }
+}
+
+namespace {
+
+/// What a look at the session tells that no figure of the skin does.
+VerdictOf looked_at(Assembly& a, const SessionFigures& f) {
+  VerdictOf v;
+  v.residual = a.solver.last().residual;
+  v.cut_short = f.interrupted || f.closed;
+  v.pace = Pace{int64_t(a.solver.steps()), int64_t(f.solver.skipped), double(f.device.age.percentile_ns(0.99)) * 1e-6,
+                double(f.device.age.max_ns()) * 1e-6};
+  if (a.head && a.head->has_face()) {
+    Snapshot s;
+    a.patient->fill(s);
+    v.bone = bone_outside(s);
+  }
+  return v;
+}
+
+}  // namespace
+
+std::vector<ResultVerdict> fill_session(Result& r, Assembly& a, const SessionFigures& f, bool real_time,
+                                        const Lesson* lesson) {
   ResultRun run;
   run.scene_title = a.scene.name, run.scene_note = a.scene.note;
   run.mode = real_time ? "realtime" : "lockstep";
@@ -129,9 +160,12 @@ void fill_session(Result& r, Assembly& a, const SessionFigures& f, bool real_tim
                     times_of(f.sample_to_frame, 1e-6, {.max = false})};
   write_fields(r, "", run);
   if (a.head) fill_head(r, *a.head);
+  VerdictOf look = looked_at(a, f);
   if (!a.world->skin()) {
     write_fields(r, "", story_of(a));
-    return;
+    std::vector<ResultVerdict> verdict = verdict_of(look);
+    fill_verdict(r, verdict);
+    return verdict;
   }
   MeasureAlso also;
   also.landmarks = a.scene.landmarks;
@@ -145,8 +179,14 @@ void fill_session(Result& r, Assembly& a, const SessionFigures& f, bool real_tim
   e.time_s = f.duration_s;
   e.hand = a.solver.hand();
   e.refused = int(a.solver.refused().size());
-  print_judgements(fill_exercise(r, e, metrics, lesson));
+  const std::vector<Judgement> judged = fill_exercise(r, e, metrics, lesson);
+  print_judgements(judged);
   write_fields(r, "", story_of(a));
+  look.metrics = &metrics, look.body = a.world->skin()->spec().body.get();
+  look.cell_mm = a.world->skin()->spec().cell_mm, look.judged = judged;
+  std::vector<ResultVerdict> verdict = verdict_of(look);
+  fill_verdict(r, verdict);
+  return verdict;
 }
 
 void fill_damage(Result& r, const LogDamage& d) {

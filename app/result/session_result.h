@@ -6,6 +6,7 @@
 
 #include "app/assembly/assembly.h"
 #include "app/assembly/lesson.h"
+#include "app/assembly/verdict.h"
 #include "app/result/run_result.h"
 #include "devices/lcm_log.h"
 
@@ -14,8 +15,12 @@ namespace limberg {
 /// Everything but `damage`: mode, duration, hashes, parts, memory, the three lanes, latencies, stages, series,
 /// refusals, force balance, metrics and the exercise's figures.
 /// With a lesson: its tolerances, and its plan instead of the one that the cuts show.
-void fill_session(Result& result, Assembly& session, const SessionFigures& figures, bool real_time,
-                  const Lesson* lesson = nullptr);
+/// Returns the verdict, which the result has too.
+std::vector<ResultVerdict> fill_session(Result& result, Assembly& session, const SessionFigures& figures,
+                                        bool real_time, const Lesson* lesson = nullptr);
+
+/// `verdict`.
+void fill_verdict(Result& result, std::span<const ResultVerdict> verdict);
 
 /// Name, picture and residual.
 ResultStage stage_of(const StageRow& stage);

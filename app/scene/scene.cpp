@@ -1,11 +1,8 @@
 #include "app/scene/scene.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <initializer_list>
 #include <limits>
@@ -18,30 +15,13 @@
 #include "app/scene/toml_table.h"
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
+#include "sim/base/whole_file.h"
 
 namespace limberg {
 namespace {
 
 namespace fs = std::filesystem;
 constexpr size_t kMaxBytes = 1 << 20;
-
-std::string slurp(const std::string& path, const char* expected, size_t max_bytes) {
-  std::error_code ec;
-  if (!fs::exists(path, ec)) throw InputError(path, 0, std::string("no such file; expected ") + expected);
-  if (fs::is_directory(path, ec)) throw InputError(path, 0, std::string("is a folder; expected ") + expected);
-  std::ifstream in(path, std::ios::binary);
-  if (!in)
-    throw InputError(path, 0, std::string("cannot be opened (") + std::strerror(errno) + "); expected " + expected);
-  std::string text;
-  std::vector<char> part(1 << 16);
-  while (in.read(part.data(), std::streamsize(part.size())), in.gcount() > 0) {
-    text.append(part.data(), size_t(in.gcount()));
-    if (text.size() > max_bytes)
-      throw InputError(path, 0, "the file is too large; expected at most " + std::to_string(max_bytes) + " bytes");
-  }
-  if (in.bad()) throw InputError(path, 0, "cannot be read to its end; expected a readable file");
-  return text;
-}
 
 void read_body(Table t, Scene& s, const std::string& file) {
   if (!t.present()) throw InputError(file, 0, "[body] is missing; expected source = \"block\" or \"obj\"");
@@ -124,7 +104,7 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
             layer.fail(
                 "tissue",
                 "cannot be looked up: there is no tissues.toml beside the scene or in the folder above; expected one");
-          s.tissues = slurp(file, "a library of tissues", kMaxBytes);
+          s.tissues = read_whole_file(file, kMaxBytes, "a library of tissues");
           return library.emplace(parse_tissues(s.tissues, file, *s.laws));
         });
 
@@ -211,18 +191,20 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
   h.add(text);
   if (!s.tissues.empty()) h.add(s.tissues);
   if (s.source == Scene::Source::obj)
-    h.add(slurp(s.obj.path, "the OBJ surface that the scene names", ObjLimits::file_bytes));
+    h.add(read_whole_file(s.obj.path, ObjLimits::file_bytes, "the OBJ surface that the scene names"));
   if (s.head) {
     for (const std::string& f : s.head->bone_files)
-      h.add(slurp(f, "a simplex mesh that the scene names", ObjLimits::file_bytes));
+      h.add(read_whole_file(f, ObjLimits::file_bytes, "a simplex mesh that the scene names"));
     if (!s.head->face_file.empty())
-      h.add(slurp(s.head->face_file, "a simplex mesh that the scene names", ObjLimits::file_bytes));
+      h.add(read_whole_file(s.head->face_file, ObjLimits::file_bytes, "a simplex mesh that the scene names"));
   }
   s.hash = h.value();
   return s;
 }
 
-Scene load_scene(const std::string& path) { return parse_scene(slurp(path, "a scene file", kMaxBytes), path); }
+Scene load_scene(const std::string& path) {
+  return parse_scene(read_whole_file(path, kMaxBytes, "a scene file"), path);
+}
 
 std::string find_scene(const std::string& name_or_path, const std::vector<std::string>& folders) {
   std::error_code ec;

@@ -99,8 +99,9 @@ std::optional<HeadScene> read_head(const toml::table& root, const std::string& f
     t.real("vault_wide", h.vault_wide, 0.7, 1.3);
     t.real("vault_long", h.vault_long, 0.7, 1.3);
     t.real("forehead_flat", h.forehead_flat, 0, 1);
-    t.real("edge_mm", h.edge_mm, 1, 12);
-    t.real("face_edge_mm", h.face_edge_mm, 1, 12);
+    // Memory grows with their number: finer edges than these would take more than 1.4 GB (docs/limits.md).
+    t.real("edge_mm", h.edge_mm, 1.5, 12);
+    t.real("face_edge_mm", h.face_edge_mm, 1.5, 12);
   } else if (source == "files") {
     h.source = HeadScene::Source::files;
     h.bone_files = texts(t, table, "bones", "bones = [\"cranium.txt\", ...]");

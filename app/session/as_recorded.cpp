@@ -1,5 +1,6 @@
 #include "app/session/as_recorded.h"
 
+#include <algorithm>
 #include <deque>
 
 #include "app/session/clock.h"
@@ -25,6 +26,7 @@ class Ticks {
         const int64_t began = RealClock::monotonic_ns();
         lanes_.device.tick(tick_);
         out_.device.work.add(RealClock::monotonic_ns() - began);
+        out_.device.age.add((tick_ - lanes_.device.snapshot_tick()) * kDeviceTickNs);
         ++out_.ticks;
         if (lanes_.device.snapshot_step() != r.snapshot) ++strange_;
         hands_.push_back(lanes_.device.hand());
@@ -56,7 +58,8 @@ void once_more(SessionLanes& lanes, const SessionSettings& set, const LiveSchedu
   lanes.solver.start();
   lanes.render.prepare();
   Ticks ticks(lanes, schedule, samples, out);
-  int64_t frames = -1;  // the frame whose time has come last
+  int64_t last_step = -1;  // its tick
+  int64_t frames = -1;     // the frame whose time has come last
   const auto frame = [&](int64_t tick) {
     for (; frames < tick / set.ticks_per_frame; ++frames) {  // a film has every frame, whatever ticks were skipped
       const int64_t began = RealClock::monotonic_ns();
@@ -71,6 +74,11 @@ void once_more(SessionLanes& lanes, const SessionSettings& set, const LiveSchedu
     lanes.solver.step_as(take, take.hand_tick < 0 ? nullptr : ticks.hand(take.hand_tick));
     out.solver.work.add(RealClock::monotonic_ns() - began);
     ++out.solver.ticks;
+    // Whole periods that went by without a step, then.
+    if (last_step >= 0)
+      out.solver.skipped += uint64_t(std::max<int64_t>(
+          0, (take.tick - last_step + set.ticks_per_solver_step / 2) / set.ticks_per_solver_step - 1));
+    last_step = take.tick;
     if (take.hash != 0) {
       ++out.hashes_compared;
       if (lanes.solver.state_hash() == take.hash)

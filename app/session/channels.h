@@ -7,6 +7,7 @@
 //     solver ──ring: stages passed, acts done──────────► render
 //     device ──ring: every sample as received──────────► recorder
 //     device, solver ──rings: what they found──────────► recorder (live sessions)
+//     solver ──ring: some places of the patient────────► recorder
 //     device ◄──triple buffers: how stiff is it here?──► solver (force devices: press_line.h)
 //
 // Nothing here waits. Each buffer has one writer and one reader.
@@ -24,6 +25,7 @@
 #include "app/session/triple_buffer.h"
 #include "devices/schedule.h"
 #include "devices/spsc_ring.h"
+#include "devices/state_sample.h"
 #include "devices/tool_event.h"
 #include "devices/virtual_hand.h"
 #include "sim/patient/snapshot.h"
@@ -55,6 +57,7 @@ struct Channels {
   SpscRing<Sample> samples{1 << 14};
   SpscRing<DeviceRun> device_runs{1 << 12};  // at most one a tick: 4 s
   SpscRing<SolverTake> solver_takes{1 << 10};
+  SpscRing<StateSample> states{1 << 6};  // one a second
   SpscRing<StageMark> stages{1 << 10};
   SpscRing<Notice> notices{1 << 8};     // for a screen: where nobody empties it, later ones are dropped
   std::atomic<bool> want_field{false};  // render asks the solver for the tension

@@ -2,6 +2,7 @@
 // Time as the lanes are given it: nanoseconds since the session's start.
 #include <time.h>
 
+#include <atomic>
 #include <cstdint>
 
 #include "devices/monotonic.h"
@@ -34,6 +35,25 @@ class RealClock {
 
  private:
   int64_t start_ = 0;
+};
+
+/// Session time that may be held: what has passed since the start, less what it was held for so far.
+class PacedClock {
+ public:
+  PacedClock(int64_t start_ns, const std::atomic<int64_t>& held_ns) : real_(start_ns), held_(held_ns) {}
+  int64_t now_ns() const { return real_.now_ns() - held_.load(); }
+  void sleep_until_ns(int64_t t_ns) const {
+    for (int64_t held = held_.load();;) {
+      real_.sleep_until_ns(t_ns + held);
+      const int64_t now = held_.load();
+      if (now == held) return;
+      held = now;
+    }
+  }
+
+ private:
+  RealClock real_;
+  const std::atomic<int64_t>& held_;
 };
 
 /// Time that passes only when it is told to.

@@ -9,6 +9,7 @@ namespace limberg {
 
 struct LaneGauges {
   std::atomic<int64_t> tick{0};         // device tick: ms since the start
+  std::atomic<int64_t> behind_ms{0};    // how old what the hand has of the patient is
   std::atomic<int64_t> device_late{0};  // ticks that began more than 1 ms late
   std::atomic<int64_t> sample_ns{-1};   // time stamp of the newest sample
   std::atomic<int64_t> samples{0};

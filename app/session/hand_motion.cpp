@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "sim/base/elementary.h"
+
 namespace limberg {
 namespace {
 
@@ -21,7 +23,7 @@ void HandMotion::add(double t_s, const ToolState& tool) {
   }
   if (tracked_) {
     figures_.tracked_s += dt;
-    figures_.path_mm += std::hypot(tool.tip_mm[0] - tip_[0], tool.tip_mm[1] - tip_[1], tool.tip_mm[2] - tip_[2]);
+    figures_.path_mm += elementary::hypot(tool.tip_mm[0] - tip_[0], tool.tip_mm[1] - tip_[1], tool.tip_mm[2] - tip_[2]);
     if (tool.pressed) figures_.pressed_s += dt;
   }
   for (int i = 0; i < 3; ++i) tip_[i] = tool.tip_mm[i];

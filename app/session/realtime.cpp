@@ -10,6 +10,7 @@
 
 #include "app/session/clock.h"
 #include "app/session/drawing_share.h"
+#include "app/session/pace_watch.h"
 #include "app/session/thread.h"
 
 namespace limberg {
@@ -26,7 +27,10 @@ struct Control {
   std::atomic<bool> stop_device{false}, stop_solver{false}, stop_render{false};
   std::atomic<bool> device_ended{false}, at_rest{false}, closed{false};
   std::atomic<int64_t> tick{0};
-  std::mutex mutex;  // for `error` and `scheduling`, at start and end only
+  std::atomic<int64_t> behind_ms{0};  // of the patient that the device's last tick had
+  std::atomic<int64_t> held_ns{0};    // of the session's clock, by the solver thread
+  std::atomic<int64_t> step_tick{0};  // of the solver step that is being done or was last
+  std::mutex mutex;                   // for `error` and `scheduling`, at start and end only
   std::exception_ptr error;
   std::string where;  // the error was
   std::string scheduling;
@@ -97,6 +101,13 @@ struct Crew {
   }
 };
 
+/// A hand that waits goes no farther than the step after the one that the solver is at.
+void wait_for_patient(const Control& c, int64_t tick, int ticks_per_step) {
+  const timespec pause{0, 200'000};
+  while (tick > c.step_tick.load() + ticks_per_step && !c.stop_device.load(std::memory_order_relaxed))
+    clock_nanosleep(CLOCK_MONOTONIC, 0, &pause, nullptr);
+}
+
 /// A real-time thread that does not end its work would keep everything else from the processor.
 void give_up_real_time(Control& c, pthread_t thread) {
   const sched_param normal{};
@@ -104,8 +115,8 @@ void give_up_real_time(Control& c, pthread_t thread) {
   c.device_gave_up.store(true, std::memory_order_relaxed);
 }
 
-void device_thread(Control& c, DeviceLane& lane, LaneTimes& t, int64_t end_tick, int64_t tail_ticks, int priority,
-                   LaneGauges* gauges) {
+void device_thread(Control& c, DeviceLane& lane, LaneTimes& t, const SessionSettings& set, int priority) {
+  LaneGauges* const gauges = set.gauges;
   request_exact_timers();
   {
     const std::string got = request_real_time(priority);
@@ -114,9 +125,10 @@ void device_thread(Control& c, DeviceLane& lane, LaneTimes& t, int64_t end_tick,
     c.device_id = pthread_self();
   }
   c.i_am_ready();
-  const RealClock clock(c.wait_for_start());
-  int64_t tick = 0, end = end_tick;
+  const PacedClock clock(c.wait_for_start(), c.held_ns);
+  int64_t tick = 0, end = set.end_tick;
   while (!c.stop_device.load(std::memory_order_relaxed)) {
+    if (set.hand_waits) wait_for_patient(c, tick, set.ticks_per_solver_step);
     clock.sleep_until_ns(tick * kDeviceTickNs);
     const int64_t woke = clock.now_ns(), late = woke - tick * kDeviceTickNs;
     t.wake.add(late);
@@ -133,7 +145,9 @@ void device_thread(Control& c, DeviceLane& lane, LaneTimes& t, int64_t end_tick,
     t.age.add((tick - lane.snapshot_tick()) * kDeviceTickNs);
     ++t.ticks;
     c.tick.store(tick, std::memory_order_relaxed);
+    c.behind_ms.store(tick - lane.snapshot_tick(), std::memory_order_relaxed);
     if (gauges) {
+      LaneGauges::set(gauges->behind_ms, tick - lane.snapshot_tick());
       LaneGauges::set(gauges->tick, tick);
       LaneGauges::set(gauges->device_late, int64_t(t.late));
       LaneGauges::set(gauges->device_ns, ended - woke);
@@ -143,7 +157,7 @@ void device_thread(Control& c, DeviceLane& lane, LaneTimes& t, int64_t end_tick,
       }
     }
     if (ended - woke > kMostTickNs) give_up_real_time(c, pthread_self());
-    if (end < 0 && lane.done()) end = tick + tail_ticks;
+    if (end < 0 && lane.done()) end = tick + set.tail_ticks;
     if (end >= 0 && tick >= end) break;
     ++tick;
   }
@@ -154,15 +168,19 @@ void solver_thread(Control& c, SolverLane& lane, SessionFigures& out, const Sess
   LaneTimes& t = out.solver;
   lane.start();
   c.i_am_ready();
-  const RealClock clock(c.wait_for_start());
+  const PacedClock clock(c.wait_for_start(), c.held_ns);
   const int64_t period = int64_t(set.ticks_per_solver_step) * kDeviceTickNs;
   int64_t n = 1, last_tick = 0;
   int resting = -1;  // steps since the device thread ended
   while (!c.stop_solver.load()) {
     clock.sleep_until_ns(n * period);
-    const int64_t woke = clock.now_ns(), late = woke - n * period;
+    int64_t woke = clock.now_ns(), late = woke - n * period;
     t.wake.add(late);
-    if (late >= period) {
+    if (set.hand_waits) {
+      // Time stands still for what the last step took too long: the hand is where it would have been.
+      if (late >= kNsPerMs) c.held_ns.fetch_add(late), woke = clock.now_ns();
+      c.step_tick.store(n * set.ticks_per_solver_step);
+    } else if (late >= period) {
       ++t.late;
       t.skipped += uint64_t(late / period);
       n += late / period;
@@ -193,7 +211,7 @@ void render_thread(Control& c, RenderLane& lane, SessionFigures& out, const Sess
   // The patient is published before the clock starts; the picture sink is made ready with it.
   lane.prepare();
   c.i_am_ready();
-  const RealClock clock(c.wait_for_start());
+  const PacedClock clock(c.wait_for_start(), c.held_ns);
   const int64_t period = int64_t(set.ticks_per_frame) * kDeviceTickNs;
   LaneTimes& t = out.render;
   int64_t due = period, shown_sample = -1, drawn_ns = 0, drawn_before = 0, since = 0;  // drawn since about a second
@@ -244,6 +262,7 @@ void drive(Control& c, const SessionLanes& lanes, SessionFigures& out, const Ses
   Recorder* const recorder = lanes.recorder;
   const RealClock clock(start_ns);
   bool warned = false, told = !real_time;
+  PaceWatch pace;
   // Silence is counted as often as it was looked at: a machine that stood still is no silent thread.
   int64_t last_tick = -1, silent_ns = 0;
   const int64_t look_ns = (set.pump ? 4 : 10) * kNsPerMs;
@@ -251,7 +270,9 @@ void drive(Control& c, const SessionLanes& lanes, SessionFigures& out, const Ses
     clock.sleep_until_ns(t);
     t = std::max(t, clock.now_ns());
     if (set.pump) set.pump();
-    if (const int64_t tick = c.tick.load(); tick != last_tick || told)
+    if (!set.hand_waits && set.say)
+      if (const std::string words = pace.look(t / kNsPerMs, c.behind_ms.load()); !words.empty()) set.say(words);
+    if (const int64_t tick = c.tick.load(); tick != last_tick || told || set.hand_waits)
       last_tick = tick, silent_ns = 0;
     else if ((silent_ns += look_ns) > kSilentNs && !c.device_ended)
       give_up_real_time(c, c.device_id);
@@ -307,9 +328,8 @@ SessionFigures run_realtime(SessionLanes lanes, const SessionSettings& set, cons
       c.wait_until_ready(1);
       crew.render.emplace(guarded(c, "render thread", [&] { render_thread(c, render, out, set, rt.render_nice); }));
       c.wait_until_ready(2);
-      crew.device.emplace(guarded(c, "device thread", [&] {
-        device_thread(c, device, out.device, set.end_tick, set.tail_ticks, rt.fifo_priority, set.gauges);
-      }));
+      crew.device.emplace(
+          guarded(c, "device thread", [&] { device_thread(c, device, out.device, set, rt.fifo_priority); }));
       c.wait_until_ready(3);
       const int64_t start = RealClock::monotonic_ns() + 20 * kNsPerMs;
       if (before_start) before_start(start);
@@ -326,6 +346,7 @@ SessionFigures run_realtime(SessionLanes lanes, const SessionSettings& set, cons
   out.last_tick = c.tick.load();
   out.duration_s = double(out.last_tick) * 1e-3;
   out.scheduling = c.scheduling;
+  out.hand = set.hand_waits ? "waits" : "live", out.waited_ns = c.held_ns.load();
   out.closed = c.closed;
   device.end_schedule();
   if (c.error) {

@@ -19,10 +19,13 @@ class Recorder {
     writer_.open(path, info, blobs, replace);
   }
 
+  /// Tick 0 was then: before the first drain().
+  void began(int64_t utc_start_ns) { writer_.began(utc_start_ns); }
   void drain() {
     for (Sample s; ch_.samples.pop(s); ++samples_) writer_.on_sample(s);
     for (DeviceRun r; ch_.device_runs.pop(r);) writer_.schedule(r);
     for (SolverTake t; ch_.solver_takes.pop(t);) writer_.schedule(t);
+    for (StateSample s; ch_.states.pop(s);) writer_.state(s);
     if (ch_.samples.lost() + ch_.events.lost() + ch_.device_runs.lost() + ch_.solver_takes.lost() > 0)
       writer_.schedule_lost();
   }

@@ -37,6 +37,9 @@ struct SessionSettings {
   int settle_steps = 600;
   bool settle_when_closed = false;  // even when the window was closed; else the session ends then as it stands
   bool stop_when_recording_fails = false;
+  // Real time: a hand that is emulated or recorded waits for the patient. Where a solver step takes longer than its
+  // period the session's clock is held, so that none is skipped; a live hand cannot wait and is told.
+  bool hand_waits = false;
   LaneGauges* gauges = nullptr;       // real time: filled while it runs
   std::function<void()> pump;         // real time: called every few ms from the calling thread (a window's events)
   std::function<bool()> interrupted;  // asked now and then, from the driver's thread
@@ -57,6 +60,8 @@ struct SessionFigures {
   // A live session done again: hashes that its steps carry, compared; the first tick that differs, -1: none.
   int64_t hashes_compared = 0, hashes_equal = 0, first_difference_tick = -1;
   bool interrupted = false;
+  std::string hand;        // real time: "waits" or "live"
+  int64_t waited_ns = 0;   // real time: for so long the session's clock was held (SessionSettings::hand_waits)
   bool closed = false;     // real time: the window was
   std::string scheduling;  // real time: what the device thread got
 };

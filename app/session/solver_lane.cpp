@@ -1,19 +1,26 @@
 #include "app/session/solver_lane.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "app/session/clock.h"
 #include "devices/rigid_grip.h"
 #include "sim/base/hash.h"
 #include "sim/commands/script.h"
 #include "sim/commands/words.h"
+#include "sim/geometry/triangle.h"
 
 namespace limberg {
 
 namespace {
 double seconds(int64_t tick) { return double(tick) * 1e-3; }
-constexpr int32_t kByCommand = -1;  // in carried_: held, and not by a hand
-constexpr int kChances = 64;        // bits of SolverTake::adopted; later chances in one step are let pass
+constexpr double kMoved_mm = 2;  // a stitch finds the edge this near (kStitchReach_mm): farther it takes other skin
+constexpr double kSamePlace_mm = 0.05;  // at rest
+constexpr int32_t kByCommand = -1;      // in carried_: held, and not by a hand
+constexpr int kChances = 64;            // bits of SolverTake::adopted; later chances in one step are let pass
 Vec3 vec(const double (&p)[3]) { return {p[0], p[1], p[2]}; }
 }  // namespace
 
@@ -96,6 +103,24 @@ void SolverLane::advance(int64_t tick, const StepSettings& s) {
   answer_press();
 }
 
+void SolverLane::sample_state(const Snapshot& shown) {
+  while (next_expected_ < expected_.size() && expected_[next_expected_].step < int64_t(steps_)) ++next_expected_;
+  const bool compare = next_expected_ < expected_.size() && expected_[next_expected_].step == int64_t(steps_);
+  const bool record = settings_.sample_states && steps_ > 0 && steps_ % uint64_t(settings_.hash_every) == 0;
+  if (!compare && !record) return;
+  StateSample s;
+  s.step = int64_t(steps_), s.topology = shown.topology ? shown.topology->hash : 0;
+  s.vertices = int32_t(shown.x_mm.size()), s.n = std::min(StateSample::kPlaces, s.vertices);
+  for (int32_t k = 0; k < s.n; ++k) {
+    const Vec3f& x = shown.x_mm[size_t(int64_t(k) * s.vertices / s.n)];
+    s.at_mm[size_t(k)] = {x.x(), x.y(), x.z()};
+  }
+  for (const SutureState& t : shown.sutures) s.sutures_N += t.force_N;
+  for (const HookState& h : shown.hooks) s.hooks_N += h.force_N.norm();
+  if (compare) add(difference_, expected_[next_expected_], s);
+  if (record) ch_.states.push(s);
+}
+
 void SolverLane::note_closure(const Snapshot& s) {
   float sum = 0, most = 0;
   for (const SutureState& k : s.sutures) sum += k.force_N, most = std::max(most, k.force_N);
@@ -118,7 +143,13 @@ void SolverLane::take(const ToolEvent& e, int64_t tick) {
     return;
   }
   bool done = false;
-  if (c) {
+  if (e.kind == ToolEvent::suture_a) a_moved_ = moved_away(e);
+  std::string moved;
+  if (c && (e.kind == ToolEvent::suture_b || e.kind == ToolEvent::hook_set)) moved = moved_away(e);
+  if (c && e.kind == ToolEvent::suture_b && moved.empty()) moved = a_moved_;
+  if (!moved.empty()) {
+    refuse(*c, moved, tick);
+  } else if (c) {
     // A hook that was carried is put down: say how long the way took, for whoever carries the script out again.
     const double carried_s = seconds(std::max<int64_t>(0, e.tick - held_since_[hand]));
     if (auto* m = std::get_if<MoveHook>(&*c)) m->seconds = carried_s;
@@ -157,15 +188,41 @@ void SolverLane::take(const Command& c, int64_t tick) {
   if (let_go) carried_[let_go->hand] = 0;
 }
 
+void SolverLane::refuse(const Command& c, const std::string& reason, int64_t tick) {
+  refused_.push_back({seconds(tick), action_name(c), reason});
+  notify(Notice::refused, c, reason, tick);
+  if (std::holds_alternative<InciseMore>(c)) builder_.stop_stroke();
+  if (on_refusal_) on_refusal_(c, reason);
+}
+
+// A step that takes long leaves the hand with a patient that is not there any more. In lockstep an act comes to the
+// very state that was shown.
+std::string SolverLane::moved_away(const ToolEvent& e) {
+  if (e.snapshot == uint64_t(steps_)) return "";
+  patient_.fill(now_);
+  if (!has_surface(now_) || now_.topology->organ_of(0) != Organ::flesh) return "";
+  const SurfaceView& view = now_.topology->view;
+  const Vec3 X = vec(e.rest_mm), seen = vec(e.seen_mm);
+  double moved = std::numeric_limits<double>::infinity();
+  for (size_t t = 0; t < view.tri.size(); ++t) {
+    if (!now_.topology->is_ground(t, Ground::skin)) continue;
+    const Tri& c = view.tri[t];
+    const TrianglePoint p =
+        closest_on_triangle(X, view.X_mm[size_t(c[0])], view.X_mm[size_t(c[1])], view.X_mm[size_t(c[2])]);
+    if (!((p.point - X).norm() <= kSamePlace_mm)) continue;
+    Vec3 x = Vec3::Zero();
+    for (size_t k = 0; k < 3; ++k) x += p.bary[k] * now_.x_mm[size_t(c[k])].cast<double>();
+    moved = std::min(moved, (x - seen).norm());  // of the banks that meet there the one that was shown
+  }
+  if (moved <= kMoved_mm || !std::isfinite(moved)) return "";
+  return fmt::format(
+      "the skin there is {:.1f} mm from where it was shown: the patient is behind the hand; expected at most {:g} mm",
+      moved, kMoved_mm);
+}
+
 bool SolverLane::apply(const Command& c, int64_t tick) {
   const Outcome o = patient_.apply(c);
-  if (!o.done) {
-    refused_.push_back({seconds(tick), action_name(c), o.reason});
-    notify(Notice::refused, c, o.reason, tick);
-    if (std::holds_alternative<InciseMore>(c)) builder_.stop_stroke();
-    if (on_refusal_) on_refusal_(c, o.reason);
-    return false;
-  }
+  if (!o.done) return refuse(c, o.reason, tick), false;
   ++commands_;
   if (const auto* s = std::get_if<Stage>(&c)) {
     StageRow row;
@@ -227,6 +284,7 @@ void SolverLane::publish(int64_t tick) {
   out.snapshot.device_tick = tick;
   out.snapshot.stage = int32_t(stages_.size());
   out.sample_ns = hand_.sample_ns;
+  sample_state(out.snapshot);
   for (; shown_stages_ < stages_.size(); ++shown_stages_) stages_[shown_stages_].shown = out.snapshot;
   PatientState& shown = ch_.patient_to_render.writing();
   shown.snapshot = out.snapshot, shown.sample_ns = out.sample_ns;

@@ -21,6 +21,7 @@ struct SolverSettings {
   bool progressive_cut = false;  // an incision opens while it is drawn
   bool schedule = false;         // pass what each step found on to Channels::solver_takes
   int64_t hash_every = 60;       // with `schedule`: the state's hash goes with every n-th step, about once a second
+  bool sample_states = false;    // every n-th step's places go to Channels::states
 };
 
 /// A command that the patient refused: nothing was changed.
@@ -72,6 +73,9 @@ class SolverLane {
   bool published_new_sample() const { return new_sample_; }
   /// Over positions, topology, hooks, sutures and the hand.
   uint64_t state_hash() const;
+  /// A replay: what was recorded of the states, steps ascending, is compared as the steps come.
+  void expect(std::vector<StateSample> states) { expected_ = std::move(states); }
+  const StateDifference& difference() const { return difference_; }
   const std::vector<Refusal>& refused() const { return refused_; }
   const std::vector<StageRow>& stages() const { return stages_; }
   const SolverSeries& series() const { return series_; }
@@ -86,11 +90,14 @@ class SolverLane {
   void take(const ToolEvent& e, int64_t tick);
   void take(const Command& c, int64_t tick);   // of a panel or a program
   bool apply(const Command& c, int64_t tick);  // false: refused
+  void refuse(const Command& c, const std::string& reason, int64_t tick);
+  std::string moved_away(const ToolEvent& e);  // why an act there is refused; empty: the skin is where it was shown
   void notify(int32_t kind, const Command& c, const std::string& text, int64_t tick);
   void follow_hand();
   void answer_press();
   void make_indices();
   void publish(int64_t tick);
+  void sample_state(const Snapshot& shown);
   void note_closure(const Snapshot& shown);
 
   Patient& patient_;
@@ -101,6 +108,8 @@ class SolverLane {
   CommandBuilder builder_;
   HandState hand_;
   bool hand_known_ = false;
+  Snapshot now_;           // of the moment, when it is asked for
+  std::string a_moved_;    // of a stitch that is begun
   int32_t held_hook_ = 0;  // by the stylus
   int32_t glove_hook_ = 0;
   int32_t carried_[2] = {0, 0};  // by stylus and glove: the grab whose fragment they hold, 0 none
@@ -115,6 +124,9 @@ class SolverLane {
   size_t shown_stages_ = 0;  // those that have their snapshot
   SolverSeries series_;
   HandMotion motion_;
+  std::vector<StateSample> expected_;
+  size_t next_expected_ = 0;
+  StateDifference difference_;
 };
 
 }  // namespace limberg

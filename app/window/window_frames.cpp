@@ -11,6 +11,7 @@
 
 #include "app/pictures/pictures.h"
 #include "app/result/progress.h"
+#include "app/session/pace_watch.h"
 #include "app/window/live_measures.h"
 #include "app/window/orbit.h"
 #include "app/window/painted.h"
@@ -123,6 +124,7 @@ struct WindowFrames::Impl {
   bool at_leisure = false;  // nothing moves: the picture is drawn at kStillLevel
   int64_t drawn = 0;
   int64_t rate_tick = 0, rate_samples = 0, rate_frames = 0;
+  PaceWatch pace;
   double samples_per_s = 0, pictures_per_s = 0;
   int pictures = 0;
 
@@ -263,8 +265,9 @@ struct WindowFrames::Impl {
 
   void save_picture(const Image& image) {
     std::string file;
+    std::error_code ec;
     do file = set.picture_dir + "/limberg-" + std::to_string(++pictures) + ".png";
-    while (std::filesystem::exists(file));
+    while (std::filesystem::exists(file, ec));
     try {
       write_png(file, image);
       desk.say("picture: " + file);
@@ -406,6 +409,9 @@ struct WindowFrames::Impl {
 
   void count_rates() {
     if (!gauges) return;
+    if (const std::string words = pace.look(LaneGauges::get(gauges->tick), LaneGauges::get(gauges->behind_ms));
+        !words.empty())
+      desk.say(words);
     const int64_t tick = LaneGauges::get(gauges->tick), samples = LaneGauges::get(gauges->samples);
     if (tick - rate_tick < 1000) return;
     samples_per_s = 1000.0 * double(samples - rate_samples) / double(tick - rate_tick);

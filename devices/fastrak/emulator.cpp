@@ -10,6 +10,9 @@
 #include <memory>
 #include <numbers>
 
+#include "sim/base/elementary.h"
+#include "sim/geometry/rotation.h"
+
 namespace limberg::fastrak {
 
 namespace {
@@ -165,7 +168,7 @@ void Emulator::record(int station, int64_t sample_ns) {
 
   std::vector<uint8_t> b{'0', uint8_t('0' + station), uint8_t(r.error)};
   const double unit = centimetres_ ? 10 : kMmPerInch;
-  const Vec3 angles = q.toRotationMatrix().eulerAngles(2, 1, 0) * 180 / std::numbers::pi;
+  const Vec3 angles = azimuth_elevation_roll(q.toRotationMatrix()) * 180 / std::numbers::pi;
   const auto numbers = [&](std::initializer_list<double> values, int decimals) {
     for (const double v : values) layout_.binary ? put_float(b, v) : put_text(b, decimals, v);
   };
@@ -231,18 +234,17 @@ Motion hand_at_work(uint64_t seed) {
     w = {20 + 30 * random.uniform(), 0.15 + 0.35 * random.uniform(), 2 * std::numbers::pi * random.uniform()};
   return [parts](int station, double t) {
     const auto wave = [&](size_t k) {
-      return parts->wave[k][0] * std::sin(2 * std::numbers::pi * parts->wave[k][1] * t + parts->wave[k][2]);
+      return parts->wave[k][0] * elementary::sin(2 * std::numbers::pi * parts->wave[k][1] * t + parts->wave[k][2]);
     };
     StationPose p;
     if (station >= 3) {
       p.pos_mm = Vec3(350 + wave(0), 120 + wave(1), -120 + wave(2)) + parts->stylus.at(t);
-      p.orientation =
-          Eigen::AngleAxisd(0.01 * wave(3), Vec3::UnitX()) * Eigen::AngleAxisd(0.01 * wave(4), Vec3::UnitY());
+      p.orientation = turn_about(0.01 * wave(3), Vec3::UnitX()) * turn_about(0.01 * wave(4), Vec3::UnitY());
       p.pressed = std::fmod(t, 2.0) > 1.2;
       return p;
     }
-    const Eigen::Quaterniond hand = Eigen::AngleAxisd(0.012 * wave(3), Vec3::UnitZ()) *
-                                    Eigen::AngleAxisd(0.008 * wave(4), Vec3::UnitY()) * Eigen::Quaterniond::Identity();
+    const Eigen::Quaterniond hand =
+        turn_about(0.012 * wave(3), Vec3::UnitZ()) * turn_about(0.008 * wave(4), Vec3::UnitY());
     const double cycle = std::fmod(t, 2.0);  // open, close in 0.25 s, hold, open in 0.25 s
     const double closed = minimum_jerk((cycle - 0.8) / 0.25) - minimum_jerk((cycle - 1.6) / 0.25);
     const double aperture = 80 - 62 * closed;

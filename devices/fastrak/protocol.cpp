@@ -8,6 +8,8 @@
 #include <cstring>
 #include <numbers>
 
+#include "sim/base/elementary.h"
+
 namespace limberg::fastrak {
 
 namespace {
@@ -41,7 +43,7 @@ bool get_fixed(const uint8_t* p, int decimals, double& v) {
     if (p[i] < '0' || p[i] > '9') return false;
     digits = 10 * digits + (p[i] - '0');
   }
-  v = double(digits) * std::pow(10.0, -decimals);
+  v = double(digits) * elementary::pow(10.0, -decimals);
   if (minus) v = -v;
   return true;
 }
@@ -107,7 +109,7 @@ double accepted_share(const Record& r, const Layout& layout, double far_mm, doub
       double dot = 0;
       for (size_t k = 0; k < 4; ++k) dot += a.quat[k] * b.quat[k];
       const double moved = (a.pos_mm - b.pos_mm).norm(),
-                   turned = 2 * std::acos(std::min(1.0, std::abs(dot))) * 180 / std::numbers::pi;
+                   turned = 2 * elementary::acos(std::min(1.0, std::abs(dot))) * 180 / std::numbers::pi;
       const bool any = a.pos_mm != b.pos_mm || a.quat != b.quat || a.station != b.station || a.pressed != b.pressed;
       passed += far_mm > 0 || far_deg > 0 ? moved > far_mm || turned > far_deg : any;
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/base/elementary.h"
 #include "sim/geometry/triangle.h"
 
 namespace limberg {
@@ -135,7 +136,7 @@ const ForceState& ForceLoop::tick(int64_t now_ns, const Vec3& tip, bool valid) {
   if (stalled)
     held_over_ = before - f;
   else
-    held_over_ *= std::exp(-step_s / limit_.catch_up_s);
+    held_over_ *= elementary::exp(-step_s / limit_.catch_up_s);
   if (!state_.touching && !model_.hooked) held_over_.setZero();
   f += fade_ * held_over_;
 

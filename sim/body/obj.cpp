@@ -3,15 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <numbers>
 #include <numeric>
 
+#include "sim/base/elementary.h"
 #include "sim/base/error.h"
+#include "sim/base/whole_file.h"
 #include "sim/body/block.h"
 #include "sim/geometry/io/obj_text.h"
 #include "sim/geometry/triangle.h"
@@ -190,7 +189,7 @@ Body parse_obj(std::string_view text, const ObjSpec& spec, SurfaceReport* report
 
   TriMesh& m = body.surface;
   const Vec3 deep = spec.deep_direction.normalized();
-  const double c = std::cos(spec.deep_angle_deg * std::numbers::pi / 180);
+  const double c = elementary::cos(spec.deep_angle_deg * std::numbers::pi / 180);
   bool any_skin = false;
   for (const Tri& t : m.tri) {
     const Vec3 &p = m.X_mm[size_t(t[0])], &q = m.X_mm[size_t(t[1])], &r = m.X_mm[size_t(t[2])];
@@ -220,22 +219,7 @@ Body parse_obj(std::string_view text, const ObjSpec& spec, SurfaceReport* report
 }
 
 Body load_obj(const ObjSpec& spec, SurfaceReport* report) {
-  std::error_code ec;
-  if (!std::filesystem::exists(spec.path, ec)) throw InputError(spec.path, 0, "no such file; expected an OBJ surface");
-  if (std::filesystem::is_directory(spec.path, ec))
-    throw InputError(spec.path, 0, "is a folder; expected an OBJ surface");
-  std::ifstream in(spec.path, std::ios::binary);
-  if (!in)
-    throw InputError(spec.path, 0,
-                     std::string("cannot be opened (") + std::strerror(errno) + "); expected an OBJ surface");
-  std::string text;
-  std::vector<char> part(1 << 20);
-  while (in.read(part.data(), std::streamsize(part.size())), in.gcount() > 0) {
-    text.append(part.data(), size_t(in.gcount()));
-    if (text.size() > ObjLimits::file_bytes) break;  // parse_obj says so
-  }
-  if (in.bad()) throw InputError(spec.path, 0, "cannot be read to its end");
-  return parse_obj(text, spec, report);
+  return parse_obj(read_whole_file(spec.path, ObjLimits::file_bytes, "an OBJ surface"), spec, report);
 }
 
 }  // namespace limberg

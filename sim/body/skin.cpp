@@ -6,6 +6,7 @@
 #include <tuple>
 #include <utility>
 
+#include "sim/base/elementary.h"
 #include "sim/geometry/triangle.h"
 
 namespace limberg {
@@ -42,7 +43,7 @@ Skin::Skin(std::shared_ptr<const Body> body)
     for (int k = 0; k < 3; ++k) {
       const int32_t v = c[size_t(k)], next = c[size_t((k + 1) % 3)], last = c[size_t((k + 2) % 3)];
       const Vec3 e = m.X_mm[size_t(next)] - m.X_mm[size_t(v)], f = m.X_mm[size_t(last)] - m.X_mm[size_t(v)];
-      corner_normal_[size_t(v)] += std::atan2(e.cross(f).norm(), e.dot(f)) * n;
+      corner_normal_[size_t(v)] += elementary::atan2(e.cross(f).norm(), e.dot(f)) * n;
       sides.push_back({std::min(v, next), std::max(v, next), t, k});
     }
   }

@@ -3,13 +3,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/base/elementary.h"
 #include "sim/geometry/vec.h"
 
 namespace limberg {
 
 /// Unit vector at an angle, counter-clockwise from +x.
 inline Vec2 direction(double deg) {
-  return {std::cos(deg * std::numbers::pi / 180), std::sin(deg * std::numbers::pi / 180)};
+  return {elementary::cos(deg * std::numbers::pi / 180), elementary::sin(deg * std::numbers::pi / 180)};
 }
 
 /// Turned counter-clockwise about the origin.

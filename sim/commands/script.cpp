@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "sim/base/error.h"
+#include "sim/base/whole_file.h"
 #include "sim/commands/script_reader.h"
 
 namespace limberg {
@@ -56,21 +55,7 @@ Script parse_script(std::string_view text, const std::string& name) {
 }
 
 Script load_script(const std::string& path) {
-  std::error_code ec;
-  if (!std::filesystem::exists(path, ec)) throw InputError(path, 0, "no such file; expected an operation script");
-  if (std::filesystem::is_directory(path, ec)) throw InputError(path, 0, "is a folder; expected an operation script");
-  std::ifstream in(path, std::ios::binary);
-  if (!in)
-    throw InputError(path, 0,
-                     std::string("cannot be opened (") + std::strerror(errno) + "); expected an operation script");
-  std::string text;
-  std::vector<char> part(1 << 16);
-  while (in.read(part.data(), std::streamsize(part.size())), in.gcount() > 0) {
-    text.append(part.data(), size_t(in.gcount()));
-    if (text.size() > L::file_bytes) break;  // parse_script says so
-  }
-  if (in.bad()) throw InputError(path, 0, "cannot be read to its end");
-  return parse_script(text, path);
+  return parse_script(read_whole_file(path, L::file_bytes, "an operation script"), path);
 }
 
 std::string to_json_line(const ScriptHeader& h) {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "sim/base/elementary.h"
 #include "sim/commands/strokes.h"
 #include "sim/commands/table.h"
 
@@ -24,9 +25,9 @@ double area_mm2(const std::vector<ChartPoint>& p) {
 
 std::string rounded_text(double value, int digits) {
   if (value == 0 || !std::isfinite(value)) return fmt::format("{:g}", value);
-  const double unit = std::pow(10.0, std::floor(std::log10(std::abs(value)) + 1e-12) - digits + 1);
+  const double unit = elementary::pow(10.0, std::floor(elementary::log10(std::abs(value)) + 1e-12) - digits + 1);
   const double rounded = std::round(value / unit) * unit;
-  std::string s = fmt::format("{:.{}f}", rounded, std::max(0, int(std::lround(-std::log10(unit)))));
+  std::string s = fmt::format("{:.{}f}", rounded, std::max(0, int(std::lround(-elementary::log10(unit)))));
   if (s.find('.') != std::string::npos) {
     s.erase(s.find_last_not_of('0') + 1);
     if (s.back() == '.') s.pop_back();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/base/elementary.h"
 #include "sim/base/error.h"
 #include "sim/contact/contact_constants.h"
 
@@ -21,13 +22,13 @@ constexpr double kLeast_mm = 0.005;              // pairs are checked again afte
 constexpr double kNever_mm = 1e30;               // until pairs go stale that are not there
 constexpr int kFullProjections = 2;              // projections in one neighbourhood that go all the way
 constexpr int kMostProjections = 8;              // the last one
-const double kTurnCos = std::cos(constant::turn_deg * std::numbers::pi / 180);
+const double kTurnCos = elementary::cos(constant::turn_deg * std::numbers::pi / 180);
 
 }  // namespace
 
 ContactFinder::ContactFinder(std::shared_ptr<const ContactSurface> surface, const FemModel& model)
     : surface_(std::move(surface)),
-      cell_mm_(std::cbrt(model.cell_mm.prod())),
+      cell_mm_(elementary::cbrt(model.cell_mm.prod())),
       tissue_(*surface_, model),
       cells_(tissue_, model),
       motion_(tissue_, model),

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "sim/base/elementary.h"
 #include "sim/geometry/triangle.h"
 #include "sim/lattice/embedding.h"
 
@@ -273,7 +274,7 @@ std::shared_ptr<const ContactSurface> contact_surface(std::shared_ptr<const Surf
   put_into_bins(wall, *s, model, cell, parts);
   // One place for each bin: the middle of the triangle that is nearest to the bin's own.
   std::stable_sort(wall.begin(), wall.end(), [](const Binned& a, const Binned& b) { return a.key() < b.key(); });
-  const double whole = std::pow(cell.mean() / parts, 2);
+  const double whole = elementary::pow(cell.mean() / parts, 2);
   for (size_t first = 0, last; first < wall.size(); first = last) {  // a wall's piece in one cell copy
     double total = 0, kept = 0;
     for (last = first;

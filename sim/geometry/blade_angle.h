@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/base/elementary.h"
+
 namespace limberg {
 
 /// A flatter blade does not come out of the tissue where it should.
@@ -17,7 +19,7 @@ inline constexpr bool blade_can_lean(double angle_deg) {
 /// The way aside per way down, to the right of the path: cotangent of the angle between blade and skin.
 inline double blade_lean(double angle_deg) {
   const double angle = angle_deg * std::numbers::pi / 180;
-  return std::cos(angle) / std::sin(angle);
+  return elementary::cos(angle) / elementary::sin(angle);
 }
 
 }  // namespace limberg

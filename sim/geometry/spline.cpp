@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/base/elementary.h"
+
 namespace limberg {
 
 std::vector<Vec2> spline_through(std::span<const Vec2> control, double spacing) {
@@ -11,7 +13,7 @@ std::vector<Vec2> spline_through(std::span<const Vec2> control, double spacing) 
   for (const Vec2& q : control)
     if (p.empty() || (q - p.back()).norm() > 1e-9) p.push_back(q);
   if (p.size() < 3) return p;
-  const double corner = std::cos(60 * std::numbers::pi / 180);
+  const double corner = elementary::cos(60 * std::numbers::pi / 180);
   const bool closed = p.size() > 3 && (p.front() - p.back()).norm() < 1e-9;
   const size_t n = p.size();
   const auto smooth = [&](size_t i) {  // does the curve run on through control point i?

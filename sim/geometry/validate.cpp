@@ -7,6 +7,7 @@
 #include <tuple>
 #include <vector>
 
+#include "sim/base/elementary.h"
 #include "sim/base/error.h"
 #include "sim/base/union_find.h"
 #include "sim/geometry/bvh.h"
@@ -140,7 +141,7 @@ class Validator {
   void volume() {
     GridVolume six = 0;  // at most 2^22 triangles of 2^66 each
     for (const Tri& t : m_.tri) six += grid_orient3d(p_[size_t(t[0])], p_[size_t(t[1])], p_[size_t(t[2])], {0, 0, 0});
-    report_.volume_mm3 = -double(six) / 6 * std::pow(g_.half_unit_mm(), 3);
+    report_.volume_mm3 = -double(six) / 6 * elementary::pow(g_.half_unit_mm(), 3);
     if (six >= 0)
       throw InputError(file_, 0,
                        "the surface is inside out (its volume is not positive); expected triangles counter-clockwise "

@@ -8,6 +8,8 @@
 #include <functional>
 #include <map>
 
+#include "sim/base/elementary.h"
+#include "sim/geometry/rotation.h"
 #include "sim/geometry/vec.h"
 #include "sim/skull/simplex/dual.h"
 
@@ -17,12 +19,14 @@ namespace {
 using Places = std::vector<Vec3>;  // of a measure's landmarks, in its order
 using Figure = std::function<double(const Places&)>;
 
-double angle(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) * kDeg; }
+double angle(const Vec3& a, const Vec3& b) { return elementary::atan2(a.cross(b).norm(), a.dot(b)) * kDeg; }
 double at_corner(const Places& p) { return angle(p[0] - p[1], p[2] - p[1]); }
 double length(const Places& p) { return (p[1] - p[0]).norm(); }
 Vec3 sagittal(const Vec3& v) { return {0, v.y(), v.z()}; }
 /// Angle from direction a to direction b on the film, positive where b points further down at the front.
-double on_film(const Vec3& a, const Vec3& b) { return (std::atan2(a.z(), a.y()) - std::atan2(b.z(), b.y())) * kDeg; }
+double on_film(const Vec3& a, const Vec3& b) {
+  return (elementary::atan2(a.z(), a.y()) - elementary::atan2(b.z(), b.y())) * kDeg;
+}
 double lines(const Places& p) { return on_film(p[1] - p[0], p[3] - p[2]); }
 /// Go of both sides as one point.
 double mandibular(const Places& p, const Vec3& from, const Vec3& to) {
@@ -206,14 +210,14 @@ FragmentMotion fragment_motion(const Eigen::Isometry3d& pose, const Vec3& centre
   const Mat3 R = pose.linear();
   m.translation_mm = pose * centre - centre;
   // R = Rz(yaw) Rx(pitch) Ry(roll): the front goes to (-sin yaw cos pitch, cos yaw cos pitch, sin pitch).
-  m.pitch_deg = std::asin(std::clamp(R(2, 1), -1., 1.)) * kDeg;
+  m.pitch_deg = elementary::asin(std::clamp(R(2, 1), -1., 1.)) * kDeg;
   if (std::abs(R(2, 1)) < 1 - 1e-12) {
-    m.yaw_deg = std::atan2(-R(0, 1), R(1, 1)) * kDeg;
-    m.roll_deg = std::atan2(-R(2, 0), R(2, 2)) * kDeg;
+    m.yaw_deg = elementary::atan2(-R(0, 1), R(1, 1)) * kDeg;
+    m.roll_deg = elementary::atan2(-R(2, 0), R(2, 2)) * kDeg;
   } else {
-    m.yaw_deg = std::atan2(R(1, 0), R(0, 0)) * kDeg;
+    m.yaw_deg = elementary::atan2(R(1, 0), R(0, 0)) * kDeg;
   }
-  m.angle_deg = std::abs(Eigen::AngleAxisd(R).angle()) * kDeg;
+  m.angle_deg = axis_angle(R).angle * kDeg;
   return m;
 }
 

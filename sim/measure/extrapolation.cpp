@@ -7,6 +7,7 @@
 #include <numeric>
 #include <vector>
 
+#include "sim/base/elementary.h"
 #include "sim/base/error.h"
 
 namespace limberg {
@@ -17,8 +18,8 @@ constexpr double safety_three = 1.25, safety_unsure = 3;
 
 /// p of (h3^p - h2^p) / (h2^p - h1^p) = ratio, or nothing when it is not in [0.01, 12].
 std::optional<double> solve_order(double h1, double h2, double h3, double ratio) {
-  const double a = std::log(h1 / h2), b = std::log(h3 / h2);
-  const auto f = [&](double p) { return std::expm1(b * p) / -std::expm1(a * p) - ratio; };
+  const double a = elementary::log(h1 / h2), b = elementary::log(h3 / h2);
+  const auto f = [&](double p) { return elementary::expm1(b * p) / -elementary::expm1(a * p) - ratio; };
   double lo = 0.01, hi = 12;
   if (f(lo) > 0 || f(hi) < 0) return {};
   for (int k = 0; k < 100; ++k) {
@@ -76,7 +77,8 @@ Extrapolation extrapolate(std::span<const double> cell_mm, std::span<const doubl
         fmt::format("observed order {:.2g}, which the method does not have: not in the asymptotic range", *e.order);
     return e;
   }
-  const double rest = e21 * std::pow(h[0], *e.order) / (std::pow(h[1], *e.order) - std::pow(h[0], *e.order));
+  const double rest =
+      e21 * elementary::pow(h[0], *e.order) / (elementary::pow(h[1], *e.order) - elementary::pow(h[0], *e.order));
   e.asymptotic = true;
   e.extrapolated = f[0] - rest;
   e.error = std::max(noise, safety_three * std::fabs(rest));

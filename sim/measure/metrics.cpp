@@ -110,6 +110,7 @@ Metrics measure(const Snapshot& snapshot, const Skin& skin, const ElasticSolver&
   m.stretch_p99 = strain.stretch_p99;
   m.stress_max_kPa = strain.stress_max_kPa;
   m.stress_p95_kPa = strain.stress_p95_kPa;
+  m.beyond_law_mm2 = strain.beyond_law_mm2;
   if (strain.angle_deg >= 0) m.stress_fibre_angle_deg = strain.angle_deg;
   m.compressed_mm2 = strain.compressed_mm2;
   if (const std::vector<Vec3> rim = rim_mm(view); !rim.empty()) {
@@ -121,6 +122,11 @@ Metrics measure(const Snapshot& snapshot, const Skin& skin, const ElasticSolver&
   const WoundGape gape = wound_gape(view, x);
   m.wound_gape_mm = gape.gape_mm;
   m.wound_gape_mean_mm = gape.mean_mm;
+  m.gape = gape;
+  m.turned = turned_skin(view, x, skin);
+  m.one_bank = also.one_bank;
+  for (const SutureFigure& s : m.sutures)
+    if (s.force_N < kHolds_N) m.slack.push_back(s.id);
   m.scar_length_mm = 0.5 * gape.rim_now_mm;
   if (m.scar_length_mm > 0) m.closure_line_N_per_m = 1000 * m.closure_force_N / m.scar_length_mm;
   m.step_off_mm = gape.step_mm, m.step_off_mean_mm = gape.step_mean_mm;

@@ -55,9 +55,14 @@ struct Metrics {
 
   double stretch_max = 1, stretch_p99 = 1;        // of the skin, prestretch included
   double stress_max_kPa = 0, stress_p95_kPa = 0;  // largest principal Cauchy stress in the skin's plane
+  double beyond_law_mm2 = 0;                      // SkinStrain
   double dog_ear_mm = 0, dog_ear_volume_mm3 = 0;  // of the skin within 20 mm of a cut
   Vec3 dog_ear_at_mm = Vec3::Zero();
   double wound_gape_mm = 0, wound_gape_mean_mm = 0;
+  WoundGape gape;  // with its places; all zero without a wound
+  TurnedSkin turned;
+  // Stitches with both bites in one bank of a wound (MeasureAlso), and those that pull with less than kHolds_N.
+  std::vector<int> one_bank, slack;
 
   Penetration penetration;     // tissue in tissue, at wounds
   double contact_force_N = 0;  // sum of the forces with which wound surfaces press on each other, each pair once
@@ -96,11 +101,15 @@ struct RestVolumes {
 ForceBalance force_balance(std::span<const HookState> hooks, std::span<const SutureState> sutures,
                            const Vec3& support_force_mN);
 
+/// A stitch that pulls with less holds nothing: the weight of a tenth of a gram, about that of its own thread.
+inline constexpr double kHolds_N = 1e-3;
+
 /// What is measured beside the tissue itself.
 struct MeasureAlso {
   std::optional<PlannedProcedure> plan = {};
   std::vector<Landmark> landmarks = {};
   std::optional<double> closure_energy_uJ = {};
+  std::vector<int> one_bank = {};  // SoftTissue::stitches_in_one_bank
 };
 
 /// `script`: what was done, for figures that belong to a

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/base/elementary.h"
 #include "sim/geometry/bvh.h"
 #include "sim/geometry/triangle.h"
 
@@ -23,7 +24,8 @@ struct Ways {
       for (size_t ring = 0; ring < 2; ++ring) {
         const double tilt = (ring + 1.0) * std::numbers::pi / 6,
                      turn = (double(k) + 0.5 * double(ring)) * std::numbers::pi / 4;
-        along[1 + 2 * k + ring] = {std::sin(tilt) * std::cos(turn), std::sin(tilt) * std::sin(turn), std::cos(tilt)};
+        along[1 + 2 * k + ring] = {elementary::sin(tilt) * elementary::cos(turn),
+                                   elementary::sin(tilt) * elementary::sin(turn), elementary::cos(tilt)};
       }
   }
 };
@@ -135,7 +137,7 @@ double winding_number(const SurfaceView& view, std::span<const Vec3f> x_mm, cons
     const Vec3 a = x_mm[size_t(c[0])].cast<double>() - p, b = x_mm[size_t(c[1])].cast<double>() - p,
                d = x_mm[size_t(c[2])].cast<double>() - p;
     const double la = a.norm(), lb = b.norm(), ld = d.norm();
-    sum += 2 * std::atan2(a.dot(b.cross(d)), la * lb * ld + a.dot(b) * ld + b.dot(d) * la + d.dot(a) * lb);
+    sum += 2 * elementary::atan2(a.dot(b.cross(d)), la * lb * ld + a.dot(b) * ld + b.dot(d) * la + d.dot(a) * lb);
   }
   return sum / (4 * std::numbers::pi);
 }

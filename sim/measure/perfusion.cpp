@@ -22,17 +22,24 @@ std::pair<int, int> square(const Vec2& p) {
   return {int(std::floor(p.x() / kGrid_mm)), int(std::floor(p.y() / kGrid_mm))};
 }
 
-// Squares of the chart that have a flat wall below them.
-std::set<std::pair<int, int>> floors(const SurfaceView& view, const Skin& skin) {
-  std::set<std::pair<int, int>> out;
+/// A chart is a projection, and a closed body has skin twice above a place of it: on the side that faces the chart, and
+/// on its far side.
+using Place = std::pair<bool, std::pair<int, int>>;
+bool faces_chart(const Vec3& normal, const Skin& skin) { return normal.dot(skin.body().chart_normal()) > 0; }
+
+// Squares of the chart that have a flat wall below them, on the side to whose skin it is nearest.
+std::set<Place> floors(const SurfaceView& view, const Skin& skin) {
+  std::set<Place> out;
   for (size_t t = 0; t < view.tri.size(); ++t) {
     if (view.kind[t] != FaceKind::wall) continue;
     const auto X = corners(view, t);
     const Vec3 n = area_vector2(X[0], X[1], X[2]), m = (X[0] + X[1] + X[2]) / 3;
-    if (!(std::abs(n.dot(skin.nearest(m).normal)) > kFlat * n.norm())) continue;
+    const Vec3 up = skin.nearest(m).normal;
+    if (!(std::abs(n.dot(up)) > kFlat * n.norm())) continue;
+    const bool front = faces_chart(up, skin);
     Vec2 c[3], lo = Vec2::Constant(1e300), hi = -lo;
     for (size_t k = 0; k < 3; ++k) c[k] = skin.body().to_chart(X[k]), lo = lo.cwiseMin(c[k]), hi = hi.cwiseMax(c[k]);
-    out.insert(square(skin.body().to_chart(m)));
+    out.insert({front, square(skin.body().to_chart(m))});
     const auto a = square(lo), b = square(hi);
     const auto left = [](const Vec2& p, const Vec2& q, const Vec2& r) {
       return (q.x() - p.x()) * (r.y() - p.y()) - (q.y() - p.y()) * (r.x() - p.x());
@@ -41,7 +48,7 @@ std::set<std::pair<int, int>> floors(const SurfaceView& view, const Skin& skin) 
       for (int k = a.second; k <= b.second; ++k) {
         const Vec2 p((i + 0.5) * kGrid_mm, (k + 0.5) * kGrid_mm);
         const double s[3] = {left(c[0], c[1], p), left(c[1], c[2], p), left(c[2], c[0], p)};
-        if ((s[0] >= 0 && s[1] >= 0 && s[2] >= 0) || (s[0] <= 0 && s[1] <= 0 && s[2] <= 0)) out.insert({i, k});
+        if ((s[0] >= 0 && s[1] >= 0 && s[2] >= 0) || (s[0] <= 0 && s[1] <= 0 && s[2] <= 0)) out.insert({front, {i, k}});
       }
   }
   return out;
@@ -67,7 +74,8 @@ Perfusion perfusion(const SurfaceView& view, const Skin& skin) {
     if (view.kind[t] != FaceKind::skin) continue;
     const auto X = corners(view, t);
     centre[t] = (X[0] + X[1] + X[2]) / 3;
-    undermined[t] = below.count(square(skin.body().to_chart(centre[t]))) > 0;
+    const bool front = faces_chart(area_vector2(X[0], X[1], X[2]), skin);
+    undermined[t] = below.count({front, square(skin.body().to_chart(centre[t]))}) > 0;
     for (size_t k = 0; k < 3; ++k) edge[{view.tri[t][k], view.tri[t][(k + 1) % 3]}] = int32_t(t);
     if (!undermined[t]) way[t] = 0, open.push({0, int32_t(t)});
   }

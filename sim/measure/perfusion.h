@@ -31,7 +31,7 @@ struct Perfusion {
 /// Ways go from centre to centre of triangles that are neighbours or have a neighbour
 /// in common: up to 10 % longer than the shortest, so the index is up to 0.1 too low. A
 /// place is undermined when a wall that lies flatter than 60 degrees
-/// is below it on the chart; places are told apart to 0.5 mm.
+/// is below it on the chart, on its own side of the body; places are told apart to 0.5 mm.
 Perfusion perfusion(const SurfaceView& view, const Skin& skin);
 
 }  // namespace limberg

@@ -7,6 +7,7 @@
 #include <memory>
 #include <numbers>
 
+#include "sim/base/elementary.h"
 #include "sim/commands/procedures/catalogue.h"
 #include "sim/commands/procedures/placement.h"
 #include "sim/geometry/polyline.h"
@@ -97,7 +98,7 @@ std::vector<PredictedPoint> predicted_points(const SurfaceView& view, std::span<
       const TissueSector& s = c.sector[i];
       const double r = 0.8 * p.reach_mm, inside = 0.5 * kStep_deg;
       const auto at = [&](double deg, double radius) -> std::optional<Vec3> {
-        const Vec2 d(std::cos((s.from_deg + deg) * kRad), std::sin((s.from_deg + deg) * kRad));
+        const Vec2 d(elementary::cos((s.from_deg + deg) * kRad), elementary::sin((s.from_deg + deg) * kRad));
         const auto place = points.find(plan.chart(c.meeting[i] + radius * d));
         return place ? std::optional(points.now_mm(*place, x_mm)) : std::nullopt;
       };

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/base/union_find.h"
 #include "sim/geometry/polyline.h"
 #include "sim/geometry/triangle.h"
 #include "sim/measure/skin_strain.h"
@@ -35,6 +36,20 @@ std::vector<std::pair<size_t, size_t>> rim_edges(const SurfaceView& view) {
   return rim;
 }
 
+// Which vertices belong to a piece that the body holds: one with a held face. A piece that nothing holds lies anywhere.
+std::vector<uint8_t> held(const SurfaceView& view) {
+  UnionFind pieces(view.X_mm.size());
+  for (const Tri& t : view.tri) pieces.unite(t[0], t[1]), pieces.unite(t[0], t[2]);
+  std::vector<uint8_t> piece(view.X_mm.size(), 0);
+  bool any = false;
+  for (size_t t = 0; t < view.tri.size(); ++t)
+    if (view.kind[t] == FaceKind::fixed) piece[size_t(pieces.find(view.tri[t][0]))] = 1, any = true;
+  if (!any) return std::vector<uint8_t>(view.X_mm.size(), 1);  // a surface of which nothing is held is looked at whole
+  std::vector<uint8_t> out(view.X_mm.size());
+  for (size_t v = 0; v < out.size(); ++v) out[v] = piece[size_t(pieces.find(int32_t(v)))];
+  return out;
+}
+
 }  // namespace
 
 std::vector<Vec3> rim_mm(const SurfaceView& view) {
@@ -59,10 +74,11 @@ DogEar dog_ear(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin&
     if (std::isnan(h)) h = float(-skin.depth_mm(x_mm[size_t(v)].cast<double>()));
     return double(h);
   };
+  const std::vector<uint8_t> attached = held(view);
   double area = 0, square = 0;
   bool any = false;
   for (size_t t = 0; t < view.tri.size(); ++t) {
-    if (view.kind[t] != FaceKind::skin) continue;
+    if (view.kind[t] != FaceKind::skin || !attached[size_t(view.tri[t][0])]) continue;
     const auto X = rest(view, t);
     if (!near((X[0] + X[1] + X[2]) / 3)) continue;
     const auto x = now(view, x_mm, t);
@@ -136,30 +152,49 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
 
   WoundGape g;
   std::vector<std::pair<double, double>> gapes, steps;
+  std::vector<std::pair<double, Vec3>> at;
+  Vec3 lost_at = Vec3::Zero();
   double sum = 0;
   for (const Rim& r : rim) {
     const Vec3 m = 0.5 * (r.p + r.q);
     double best = kFar_mm, step = 0;
+    double facing = kFar_mm;  // the other bank of its own edge, round the end of the cut
     for (const Rim& o : rim) {
       if ((0.5 * (o.p + o.q) - m).norm() - 0.5 * (o.q - o.p).norm() > best) continue;
+      bool own = false;
       if (o.loop == r.loop) {
         const double along = std::abs(o.s - r.s);
-        if (std::min(along, loop_length[size_t(r.loop)] - along) < kOwn_mm) continue;
+        own = std::min(along, loop_length[size_t(r.loop)] - along) < kOwn_mm;
+        if (own && !(o.out.dot(r.out) < 0)) continue;  // the same bank
       }
       const Vec3 e = o.q - o.p;
       const double ee = e.squaredNorm(), t = ee > 0 ? std::clamp((m - o.p).dot(e) / ee, 0.0, 1.0) : 0;
       const Vec3 d = o.p + t * e - m;
       const double distance = d.norm();
+      if (own) {
+        facing = std::min(facing, distance);
+        continue;
+      }
       if (distance < best && (distance < kTouch_mm || d.dot(r.out) >= kCos * distance))
         best = distance, step = std::abs(d.dot(r.up));
     }
     const double gape = best < kFar_mm ? best : 0;
-    gapes.push_back({gape, r.length});
+    const Vec3 middle = 0.5 * (view.X_mm[size_t(r.a)] + view.X_mm[size_t(r.b)]);
+    const double open = std::min(best, facing);
+    if (open >= kFar_mm) g.lost_mm += r.length, lost_at = middle;
+    if (open > kOpen_mm) g.open_mm += r.length;
+    if (open < kFar_mm && open > g.widest_mm) g.widest_mm = open, g.widest_at_mm = middle;
+    gapes.push_back({open < kFar_mm ? gape : kFar_mm, r.length});
+    at.push_back({gapes.back().first, middle});
     steps.push_back({step, r.length});
     g.step_mean_mm += step * r.length;
     g.rim_now_mm += (r.q - r.p).norm();
-    sum += gape * r.length;
     g.rim_length_mm += r.length;
+  }
+  // What looks at no other edge is as far from it as the widest place, at least.
+  for (size_t i = 0; i < gapes.size(); ++i) {
+    if (gapes[i].first >= kFar_mm) gapes[i].first = at[i].first = g.widest_mm;
+    sum += gapes[i].first * gapes[i].second;
   }
   if (g.rim_length_mm > 0) g.mean_mm = sum / g.rim_length_mm, g.step_mean_mm /= g.rim_length_mm;
   g.step_mm = weighted_percentile(steps, 0.95);
@@ -169,7 +204,28 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
     g.gape_mm = v;
     if ((passed += w) >= 0.95 * g.rim_length_mm) break;
   }
+  for (const auto& [v, X] : at)
+    if (v == g.gape_mm) g.gape_at_mm = X;
+  if (g.widest_mm == 0) g.widest_at_mm = lost_at;
   return g;
+}
+
+TurnedSkin turned_skin(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin) {
+  constexpr double kTurned = -0.5;  // cos 120 degrees
+  TurnedSkin out;
+  for (size_t t = 0; t < view.tri.size(); ++t) {
+    if (view.kind[t] != FaceKind::skin) continue;
+    const auto x = now(view, x_mm, t);
+    const Vec3 n = area_vector2(x[0], x[1], x[2]);
+    if (!(n.norm() > 0)) continue;
+    if (n.normalized().dot(skin.nearest((x[0] + x[1] + x[2]) / 3).normal) >= kTurned) continue;
+    const auto X = rest(view, t);
+    const double area = 0.5 * area_vector2(X[0], X[1], X[2]).norm();
+    out.area_mm2 += area;
+    out.at_mm += area * (X[0] + X[1] + X[2]) / 3;
+  }
+  if (out.area_mm2 > 0) out.at_mm /= out.area_mm2;
+  return out;
 }
 
 double compression(const SurfaceView& view, std::span<const Vec3f> x_mm) {

@@ -15,8 +15,9 @@ namespace limberg {
 /// outside the original rest surface (Skin::depth_mm, sign changed); the body is held at its sides and its base, so
 /// that surface is the reference that a ring of untouched skin around the wound would give. Volume is the integral of
 /// the positive height over the original surface: the skin's area projected along the reference normal. Only skin whose
-/// rest place lies within `radius_mm` of one of `centres_mm` counts; no centres: all skin. A cone is a dog-ear where
-/// the tissue angles sewn together add up to less than 360 degrees (Limberg; Kang and Kang 2020).
+/// rest place lies within `radius_mm` of one of `centres_mm` counts; no centres: all skin. A piece that has been cut
+/// free on all sides is no part of the body's form: nothing says where it lies, and its skin is left out. A cone is a
+/// dog-ear where the tissue angles sewn together add up to less than 360 degrees (Limberg; Kang and Kang 2020).
 struct DogEar {
   double height_mm = 0;       // highest
   double volume_mm3 = 0;      // above the original surface
@@ -41,8 +42,25 @@ struct WoundGape {
   // Edges that lie at different heights: the part of the way to the rim over there that runs along the skin's normal.
   // 95 % of the rim do not exceed step_mm.
   double step_mm = 0, step_mean_mm = 0;
+  Vec3 gape_at_mm = Vec3::Zero();  // where it gapes by gape_mm; rest place, as all of them
+  // Widest place, and all that gapes by more than kOpen_mm or looks at no other edge at all (a flap that stands up or
+  // lies elsewhere): the length of edge at rest, both banks. Round the end of a cut its own other bank counts here.
+  double widest_mm = 0, open_mm = 0;
+  Vec3 widest_at_mm = Vec3::Zero();
+  double lost_mm = 0;  // of open_mm, what looks at no other edge
 };
+/// Edges nearer than this are apposed: "wound margin separation > 2 mm" is a fault of the Hollander wound evaluation
+/// scale (Hollander, Singer, Valentine, Henry 1995, Ann. Emerg. Med. 25:675).
+inline constexpr double kOpen_mm = 2;
 WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm);
+
+/// Skin that lies on its face or is turned inside out: skin whose outward normal now is more than 120 degrees from that
+/// of the original surface there (90 is upright, as the wall of a fold; 30 more, so that skin that stands up is none).
+struct TurnedSkin {
+  double area_mm2 = 0;        // at rest
+  Vec3 at_mm = Vec3::Zero();  // its middle at rest
+};
+TurnedSkin turned_skin(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin);
 
 /// The surface's volume now, relative to rest, minus 1: how much the elastic solution compresses the tissue as a whole.
 double compression(const SurfaceView& view, std::span<const Vec3f> x_mm);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/base/elementary.h"
 #include "sim/fem/materials/catalogue.h"
 #include "sim/geometry/triangle.h"
 
@@ -16,7 +17,7 @@ constexpr double kSliver_mm = 0.02;
 // Eigenvalues of a symmetric 2 x 2 matrix, largest first.
 std::array<double, 2> eigenvalues(const Mat2& S) {
   const double m = 0.5 * (S(0, 0) + S(1, 1)), d = 0.5 * (S(0, 0) - S(1, 1)),
-               r = std::hypot(d, 0.5 * (S(0, 1) + S(1, 0)));
+               r = elementary::hypot(d, 0.5 * (S(0, 1) + S(1, 0)));
   return {m + r, m - r};
 }
 
@@ -60,7 +61,8 @@ InPlane in_plane(const std::array<Vec3, 3>& X, const std::array<Vec3, 3>& x, con
 // T: stress (up to a positive factor) in axes turned with the tissue; U: its stretch, so that fibres lie along U e1.
 double angle_to_fibres_deg(const Mat2& T, const Mat2& U, double s1, double s2) {
   if (!(std::abs(s1 - s2) > 0.02 * std::abs(s1))) return -1;
-  const double most = 0.5 * std::atan2(T(0, 1) + T(1, 0), T(0, 0) - T(1, 1)), fibre = std::atan2(U(1, 0), U(0, 0));
+  const double most = 0.5 * elementary::atan2(T(0, 1) + T(1, 0), T(0, 0) - T(1, 1)),
+               fibre = elementary::atan2(U(1, 0), U(0, 0));
   const double d = std::abs(std::remainder(most - fibre, std::numbers::pi));
   return d * 180 / std::numbers::pi;
 }
@@ -130,6 +132,20 @@ double weighted_percentile(std::vector<std::pair<double, double>>& pairs, double
   return pairs.back().first;
 }
 
+namespace {
+
+/// The least value that no more than so much of the weight lies above; sorts `pairs`. 0 when empty.
+double all_but(std::vector<std::pair<double, double>>& pairs, double weight) {
+  if (pairs.empty()) return 0;
+  std::sort(pairs.begin(), pairs.end());
+  double above = 0;
+  for (size_t i = pairs.size(); i-- > 1;)
+    if ((above += pairs[i].second) > weight) return pairs[i].first;
+  return pairs.front().first;
+}
+
+}  // namespace
+
 std::vector<MembraneState> skin_states(const SurfaceView& view, std::span<const Vec3f> x_mm, const Body& body) {
   std::vector<MembraneState> out(view.tri.size());
   if (body.layers.empty()) return out;
@@ -153,28 +169,32 @@ std::vector<MembraneState> skin_states(const SurfaceView& view, std::span<const 
 SkinStrain skin_strain(const SurfaceView& view, std::span<const Vec3f> x_mm, const Body& body) {
   SkinStrain s;
   const std::vector<MembraneState> states = skin_states(view, x_mm, body);
-  std::vector<std::pair<double, double>> stretch, stress;
-  for (size_t t = 0; t < states.size(); ++t) {
-    const MembraneState& m = states[t];
+  std::vector<std::pair<double, double>> stretch, stress;  // stress: within the law's range
+  for (const MembraneState& m : states) {
     if (!(m.area_mm2 > 0)) continue;
     stretch.push_back({m.stretch, m.area_mm2});
-    stress.push_back({m.stress_kPa, m.area_mm2});
-    if (m.stress_kPa > s.stress_max_kPa || s.area_mm2 == 0) {
-      s.stress_max_kPa = m.stress_kPa;
-      s.most_stressed_mm =
-          (view.X_mm[size_t(view.tri[t][0])] + view.X_mm[size_t(view.tri[t][1])] + view.X_mm[size_t(view.tri[t][2])]) /
-          3;
-    }
-    s.stretch_max = s.area_mm2 == 0 ? m.stretch : std::max(s.stretch_max, m.stretch);
     s.area_mm2 += m.area_mm2;
     if (m.least_stress_kPa < 0) s.compressed_mm2 += m.area_mm2;
+    if (!beyond_law(m))
+      stress.push_back({m.stress_kPa, m.area_mm2});
+    else
+      s.beyond_law_mm2 += m.area_mm2;
   }
   if (stretch.empty()) return s;
   s.stretch_p99 = weighted_percentile(stretch, 0.99);
-  s.stress_p95_kPa = weighted_percentile(stress, 0.95);
+  s.stretch_max = all_but(stretch, kLargest_mm2);
+  // Sorted by all_but; what is beyond ranks above them.
+  s.stress_max_kPa = all_but(stress, kLargest_mm2 - s.beyond_law_mm2);
+  const double within = s.area_mm2 - s.beyond_law_mm2;
+  s.stress_p95_kPa = within > 0 ? weighted_percentile(stress, std::min(1.0, 0.95 * s.area_mm2 / within)) : 0;
+  for (size_t t = 0; t < states.size(); ++t)
+    if (states[t].area_mm2 > 0 && !beyond_law(states[t]) && states[t].stress_kPa == s.stress_max_kPa)
+      s.most_stressed_mm =
+          (view.X_mm[size_t(view.tri[t][0])] + view.X_mm[size_t(view.tri[t][1])] + view.X_mm[size_t(view.tri[t][2])]) /
+          3;
   double sum = 0, area = 0;
   for (const MembraneState& m : states)
-    if (m.area_mm2 > 0 && m.stress_kPa >= s.stress_p95_kPa && m.angle_deg >= 0)
+    if (m.area_mm2 > 0 && !beyond_law(m) && m.stress_kPa >= s.stress_p95_kPa && m.angle_deg >= 0)
       sum += m.angle_deg * m.area_mm2, area += m.area_mm2;
   if (area > 0) s.angle_deg = sum / area;
   return s;

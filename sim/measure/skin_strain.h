@@ -50,17 +50,32 @@ MembraneState membrane_state(const std::array<Vec3, 3>& X_mm, const std::array<V
 /// 0.02 mm height (slivers that cuts leave: positions are floats, so their stretch would carry an error above 0.1 %).
 std::vector<MembraneState> skin_states(const SurfaceView& view, std::span<const Vec3f> x_mm, const Body& body);
 
+/// Where every law of skin ends: excised human skin tore at a strain of 54 +- 17 % (Ni Annaidh et al. 2012, J. Mech.
+/// Behav. Biomed. Mater. 5:139, 56 samples; the fibre law's constants come from the same tests). What is stretched
+/// further, prestretch included, is counted as area and has no stress of its own.
+inline constexpr double kLawEnds_stretch = 1.54;
+/// Stretched further than that in some direction: in its plane, or, volume kept, across it (skin that is crushed).
+inline bool beyond_law(const MembraneState& s) {
+  return !(s.stretch <= kLawEnds_stretch && s.stretch * s.least_stretch >= 1 / kLawEnds_stretch);
+}
+/// A largest value is one that more than a square mm of skin has: about what a bite of a stitch takes. One triangle, as
+/// small as a cut left it, cannot make it.
+inline constexpr double kLargest_mm2 = 1;
+
 struct SkinStrain {
+  // The greatest but for kLargest_mm2; stress over skin within the law's range, so that where more lies beyond it the
+  // figure is the greatest that the law can tell.
   double stretch_max = 1, stretch_p99 = 1;
   double stress_max_kPa = 0, stress_p95_kPa = 0;
+  double beyond_law_mm2 = 0;  // rest area of what is beyond_law
   double compressed_mm2 = 0;  // rest area with a least principal stress below 0: it would wrinkle
   double angle_deg = -1;      // mean of MembraneState::angle_deg over the 5 % of the area with the greatest stress
   Vec3 most_stressed_mm = Vec3::Zero();  // where the stress is greatest, at rest
   double area_mm2 = 0;                   // of the triangles counted
 };
 
-/// Over all skin triangles but slivers, percentiles weighted by rest area. The maxima sit at the
-/// tips of cuts and at stitches and grow as cells shrink; the percentiles converge.
+/// Over all skin triangles but slivers, percentiles weighted by rest area; skin beyond the law's range ranks above all
+/// other. The maxima sit at the tips of cuts and at stitches and grow as cells shrink; the percentiles converge.
 SkinStrain skin_strain(const SurfaceView& view, std::span<const Vec3f> x_mm, const Body& body);
 
 /// Value below which the fraction q of the weight lies; sorts `pairs` (value, weight). 0 when empty.

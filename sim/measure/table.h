@@ -45,6 +45,10 @@ inline constexpr MeasureLimits kSutureForce_N{
     "5-0 to 4-0 thread pull out from 5 N"};
 inline constexpr MeasureLimits kClosureForce_N{15.0, 15.0,
                                                "Lear 2019: largest clinically acceptable closure force (scalp)"};
+inline constexpr MeasureLimits kWoundGape_mm{
+    kOpen_mm, kOpen_mm, "Hollander et al. 1995: wound margin separation above 2 mm is a fault of a closure"};
+inline constexpr MeasureLimits kDogEar_mm{
+    4, 4, "a dog-ear of up to 4 mm may be watched instead of excised (PubMed 28930788)"};
 inline constexpr MeasureLimits kSutureGap_mm{0.2, 0.2, "bites this near count as met; of no publication"};
 
 }  // namespace limberg

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "sim/base/elementary.h"
 #include "sim/base/error.h"
 
 namespace limberg {
@@ -26,8 +27,8 @@ double compliance_mm_N(std::span<const Layer> layers, double radius_mm) {
   double sum = 0, top = 0;
   for (size_t l = 0; l < layers.size(); ++l) {
     const double bottom = top + layers[l].thickness_mm;
-    const double share =
-        std::exp(-kReach * top / radius_mm) - (l + 1 < layers.size() ? std::exp(-kReach * bottom / radius_mm) : 0);
+    const double share = elementary::exp(-kReach * top / radius_mm) -
+                         (l + 1 < layers.size() ? elementary::exp(-kReach * bottom / radius_mm) : 0);
     const Material& m = layers[l].material;
     sum += share * 1e3 * (1 - m.poisson * m.poisson) / (2 * radius_mm * m.young_kPa);  // kPa = mN / mm^2; 1e3 mN = 1 N
     top = bottom;

@@ -78,7 +78,8 @@ class SoftTissue {
   double volume_mm3() const { return figures_.volume_mm3; }                  // exact, of all remaining pieces at rest
   double removed_volume_mm3() const { return figures_.removed_volume_mm3; }  // exact, of what was excised
   double initial_volume_mm3() const { return tissue_.initial_volume_mm3(); }
-  int pieces() const { return tissue_.version().lattice->pieces; }     // connected pieces of the lattice
+  int pieces() const { return tissue_.version().lattice->pieces; }  // connected pieces of the lattice
+  std::vector<int> stitches_in_one_bank() const { return sutures_.in_one_bank(); }
   ContactCounts contact_counts() const { return contacts_.counts(); }  // what contact has cost so far, counted
   /// Elastic energy, threads included, above that of the open wound: of the last state at rest (residual 1e-3) that
   /// neither hook nor stitch held. Nothing as long as there was none, or a hook still pulls. Cutting after it goes into

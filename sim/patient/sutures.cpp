@@ -122,6 +122,48 @@ Vec3 Sutures::held_mm(const Anchor& a) const {
   return sum / double(a.wide.size());
 }
 
+namespace {
+
+double turn(const Vec2& a, const Vec2& b, const Vec2& c) {
+  return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
+}
+
+// Whether the straight way from a to b on the chart meets an edge of a wound.
+bool meets_rim(const SurfaceView& view, const Body& body, const Vec3& a_mm, const Vec3& b_mm) {
+  const Vec2 a = body.to_chart(a_mm), b = body.to_chart(b_mm);
+  for (size_t t = 0; t < view.tri.size(); ++t)
+    for (size_t k = 0; view.rim[t] != 0 && k < 3; ++k) {
+      if (!(view.rim[t] >> k & 1)) continue;
+      const Vec2 p = body.to_chart(view.X_mm[size_t(view.tri[t][k])]),
+                 q = body.to_chart(view.X_mm[size_t(view.tri[t][(k + 1) % 3])]);
+      if (turn(a, b, p) * turn(a, b, q) <= 0 && turn(p, q, a) * turn(p, q, b) <= 0) return true;
+    }
+  return false;
+}
+
+}  // namespace
+
+// A way along the rim that is hardly longer than the straight one runs along one bank: between two banks it goes round
+// the end of the wound. Across a round hole it may be as short, but there is no skin under it then.
+std::vector<int> Sutures::in_one_bank() const {
+  constexpr double kStraight = 1.1, kSlack_mm = 0.1;
+  std::vector<int> found;
+  const TissueVersion& version = tissue_.version();
+  for (const Stitch& s : holding_.stitches) {
+    if (!s.across() || s.a.in_wall() || s.b.in_wall()) continue;
+    const auto from = spot_on(tissue_.rim(), *version.index, s.a), to = spot_on(tissue_.rim(), *version.index, s.b);
+    // Both bites in skin, away from any edge, and none between.
+    bool one = !from && !to && !meets_rim(version.surface->view, tissue_.body(), s.a.X_mm, s.b.X_mm);
+    if (from && to)
+      for (const bool forward : {true, false})
+        if (const auto way = tissue_.rim().way(*from, *to, forward))
+          one |= way->length_mm <= kStraight * (s.a.X_mm - s.b.X_mm).norm() + kSlack_mm;
+    std::string reason;
+    if (one && tissue_.find_skin(tissue_.body().to_chart(0.5 * (s.a.X_mm + s.b.X_mm)), reason)) found.push_back(s.id);
+  }
+  return found;
+}
+
 Stitch Sutures::between(const Anchor& a, const Anchor& b, double bite_mm) const {
   Stitch s;
   s.a = a, s.b = b;

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <functional>
 
+#include "sim/base/elementary.h"
+
 namespace limberg {
 
 std::vector<HomogeneousState> homogeneous_states() {
@@ -26,7 +28,7 @@ std::vector<HomogeneousState> homogeneous_states() {
   isotropic("Mooney-Rivlin", {"mooney-rivlin", {{"c10_kPa", {6}}, {"c01_kPa", {4}}}}, 0,
             [](double s, double I1) { return 2 * s * s * (6 + 4 * (I1 - s * s)); });
   isotropic("Ogden", {"ogden", {{"mu_kPa", {3, -1}}, {"alpha", {9, -4}}}}, 0,
-            [](double s, double) { return 3 * std::pow(s, 9) - std::pow(s, -4); });
+            [](double s, double) { return 3 * elementary::pow(s, 9) - elementary::pow(s, -4); });
   isotropic("corotated", {"corotated", {{"mu_kPa", {20}}}}, 0, [](double s, double) { return 2 * 20 * s * (s - 1); });
   isotropic("Saint Venant-Kirchhoff", {"saint-venant-kirchhoff", {{"mu_kPa", {20}}}}, 0,
             [](double s, double) { return 20 * s * s * (s * s - 1); });

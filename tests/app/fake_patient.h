@@ -1,6 +1,8 @@
 #pragma once
 // A patient of a few lines: a flat square of skin whose hooks pull their surroundings along, and which comes to rest at
 // a rate of its own. Enough for every lane; its hash is over all it does, so that a difference of order shows.
+#include <time.h>
+
 #include <cmath>
 #include <map>
 #include <memory>
@@ -79,6 +81,10 @@ class FakePatient final : public Patient {
       ++out.iterations;
       if (out.residual <= s.tolerance) break;
     }
+    if (takes_ns_ > 0) {
+      const timespec pause{takes_ns_ / 1'000'000'000, takes_ns_ % 1'000'000'000};
+      nanosleep(&pause, nullptr);
+    }
     if (++steps_ == fails_at_) throw std::runtime_error("broken patient");
     return out;
   }
@@ -107,6 +113,8 @@ class FakePatient final : public Patient {
     return h.value();
   }
   void fail_at_step(uint64_t step) { fails_at_ = step; }
+  /// Each step takes so much longer.
+  void take_time(int64_t ns) { takes_ns_ = ns; }
   /// Something is going on for ever.
   void keep_busy() { busy_ = true; }
   bool settled() const override { return !busy_; }
@@ -144,6 +152,7 @@ class FakePatient final : public Patient {
   uint64_t steps_ = 0;
   bool busy_ = false;
   uint64_t fails_at_ = 0;
+  int64_t takes_ns_ = 0;
 };
 
 }  // namespace limberg

@@ -4,6 +4,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "devices/recording.h"
 #include "tests/app/cli.h"
 
 namespace test_cli {
@@ -215,6 +216,43 @@ TEST_F(Recorded, ReplaysToTheSameHashWithAnyWorkers) {
   }
 }
 
+// The recording is told to have come from another program, whose patient was half a millimetre beside ours somewhere.
+TEST_F(Recorded, AReplayThatDiffersSaysByHowMuchAndWhatIsOther) {
+  using namespace limberg;
+  const Recording rec = read_recording(log_);
+  ASSERT_GE(rec.states.size(), 1u);
+  SessionInfo info = *rec.session;
+  info.program = "limberg 0.0.1 (abc), g++ 9.4.0, x86_64 avx2";
+  const auto other = [&](bool far) {
+    RecordingWriter w;
+    w.open(path("other.lcm"), info, rec.blobs, true);
+    for (const Sample& s : rec.samples) w.on_sample(s);
+    for (StateSample s : rec.states) {
+      if (far && s.step == rec.states.back().step) s.at_mm[5][2] += 0.5f, s.sutures_N += 0.25f;
+      w.state(s);
+    }
+    for (const Checkpoint& c : rec.checkpoints) w.checkpoint(c.tick, far ? c.hash ^ 1 : c.hash);
+    ASSERT_TRUE(w.finish(rec.end->tick, rec.end->hash));
+  };
+  other(false);
+  auto o = run("replay " + path("other.lcm") + " --json " + path("r.json"));
+  EXPECT_EQ(o.status, 0) << o.err;
+  EXPECT_EQ(o.err.find("differs"), std::string::npos) << o.err;
+  other(true);
+  o = run("replay " + path("other.lcm") + " --json " + path("r.json"));
+  EXPECT_NE(o.err.find("differs from the recorded one from second 1 on: by at most 0.5 mm, and 0.25 N"),
+            std::string::npos)
+      << o.err;
+  EXPECT_NE(o.err.find("made by limberg 0.0.1 (abc), g++ 9.4.0, x86_64 avx2, this is limberg "), std::string::npos)
+      << o.err;
+  EXPECT_EQ(o.err.find("damaged"), std::string::npos) << o.err;
+  EXPECT_EQ(json("r.json")["recorded_by"]["version"], "limberg 0.0.1 (abc)");
+  EXPECT_EQ(json("r.json")["recorded_by"]["compiler"], "g++ 9.4.0");
+  EXPECT_EQ(json("r.json")["recorded_by"]["simd"], "x86_64 avx2");
+  EXPECT_NEAR(json("r.json")["checkpoints"]["difference_mm"].get<double>(), 0.5, 1e-5);
+  EXPECT_NEAR(json("r.json")["checkpoints"]["difference_N"].get<double>(), 0.25, 1e-6);
+}
+
 TEST_F(Recorded, TheSameCallWritesTheSameBytes) {
   ASSERT_EQ(run("emulate " + scene_ + " " + script_ + " --out " + path("again.lcm") + " --seed 5").status, 0);
   EXPECT_EQ(slurp(log_), slurp(path("again.lcm")));
@@ -410,8 +448,9 @@ TEST_F(Cli, SessionsAreJudgedByALesson) {
       "\"fusiform\"\n[procedure.values]\nwidth_mm = 4\n[tolerance]\ncorner_mm = 2\ngap_mm = 0.2\ntime_s = 0.001\n");
   const auto judged = [&](const std::string& command) {
     const Outcome o = run(command + " --judge " + lesson + " --json " + path("result.json"));
-    EXPECT_EQ(o.status, 0) << command << "\n" << o.err;
+    EXPECT_EQ(o.status, 3) << command << ": two of three tolerances are missed\n" << o.err;
     EXPECT_NE(o.out.find("lesson      gap_mm"), std::string::npos) << o.out;
+    EXPECT_NE(o.out.find("verdict     bad   lesson: corner_mm: not measured"), std::string::npos) << o.out;
     std::map<std::string, bool> met;
     const auto j = nlohmann::json::parse(slurp(dir_ / "result.json"));
     for (const auto& t : j.at("lesson").at("tolerances")) {
@@ -435,6 +474,51 @@ TEST_F(Cli, SessionsAreJudgedByALesson) {
   const Outcome bad = run("replay " + path("slit.lcm") + " --judge " + file("none.toml", "lesson = 3\n"));
   EXPECT_EQ(bad.status, 2) << bad.err;
   EXPECT_NE(bad.err.find("none.toml"), std::string::npos) << bad.err;
+}
+
+// Closed is a wound whose whole edge is: stitches that hold say nothing of what gapes between them.
+TEST_F(Cli, AWoundIsClosedWhenItsWholeEdgeIs) {
+  std::string soft = small_scene("young_kPa = 60", "young_kPa = 12");  // so that no force is at its limit
+  soft.replace(soft.find("young_kPa = 15"), 14, "young_kPa = 3");
+  const std::string scene = file("small.toml", soft);
+  const std::string cut = R"({"limberg_script":1,"scene":"small"}
+{"action":"excise","outline":[[-9,0],[-4,1.3],[4,1.3],[9,0],[4,-1.3],[-4,-1.3]],"depth_mm":3}
+)";
+  const auto verdict = [&](const std::string& stitches, int status) {
+    const Outcome o = run("operate " + scene + " " + file("s.jsonl", cut + stitches) + " --out " + path("out"));
+    EXPECT_EQ(o.status, status) << o.out << o.err;
+    const auto j = nlohmann::json::parse(slurp(dir_ / "out" / "result.json"));
+    EXPECT_EQ(j.at("ok").get<bool>(), status == 0);
+    std::map<std::string, std::string> lights;
+    for (const auto& v : j.at("verdict")) {
+      for (const char* name : {"what", "value", "unit", "limit", "place", "light"}) EXPECT_TRUE(v.contains(name)) << v;
+      lights[v.at("what").get<std::string>()] = v.at("light").get<std::string>();
+    }
+    const std::string html = slurp(dir_ / "out" / "report.html");
+    EXPECT_EQ(html.find("What is wrong") != std::string::npos, status != 0);
+    EXPECT_EQ(html.find("Closed along its whole edge") != std::string::npos,
+              lights.contains("closed along its whole edge"));
+    EXPECT_EQ(html.find("Closed with"), std::string::npos);
+    return lights;
+  };
+  EXPECT_EQ(verdict("", 0).at("open wound, nothing is sewn"), "told");
+  auto v = verdict(R"({"action":"suture","a":[-7,0.6],"b":[-7,-0.6]}
+)",
+                   3);
+  EXPECT_EQ(v.at("wound gape, widest"), "bad");
+  EXPECT_EQ(v.at("bites of a stitch apart"), "good") << "the stitch holds";
+  v = verdict(
+      R"({"action":"suture_row","a":[[-8,0.3],[-4,1.3],[4,1.3],[8,0.3]],"b":[[-8,-0.3],[-4,-1.3],[4,-1.3],[8,-0.3]],"spacing_mm":2}
+)",
+      0);
+  EXPECT_EQ(v.at("closed along its whole edge"), "good");
+  // A stitch along one bank joins nothing, however well all the others do.
+  v = verdict(
+      R"({"action":"suture_row","a":[[-8,0.3],[-4,1.3],[4,1.3],[8,0.3]],"b":[[-8,-0.3],[-4,-1.3],[4,-1.3],[8,-0.3]],"spacing_mm":2}
+{"action":"suture","a":[-3,1.3],"b":[0,1.3]}
+)",
+      3);
+  EXPECT_EQ(v.at("stitches that hold nothing: both bites in one bank"), "bad");
 }
 
 TEST_F(Cli, DesignsAreRanked) {

@@ -15,6 +15,7 @@
 #include "app/session/as_recorded.h"
 #include "app/session/clock.h"
 #include "app/session/lockstep.h"
+#include "app/session/pace_watch.h"
 #include "app/session/realtime.h"
 #include "app/session/workers_pool.h"
 #include "devices/emulator.h"
@@ -537,6 +538,83 @@ TEST(RealTime, EndsAtOnceWhenTheWindowIsClosed) {
       EXPECT_EQ(f.settle_steps, 40);
     else
       EXPECT_LE(f.settle_steps, 2);
+  }
+}
+
+TEST(PaceWatch, SaysOnceAndNotAtEveryFlicker) {
+  PaceWatch w;
+  std::vector<std::pair<int64_t, std::string>> said;
+  const auto lasts = [&](int64_t from, int64_t to, auto&& behind) {
+    for (int64_t t = from; t < to; t += 10)
+      if (const std::string s = w.look(t, behind(t)); !s.empty()) said.emplace_back(t, s);
+  };
+  lasts(0, 3000, [](int64_t t) { return t % 100 == 0 ? 120 : 20; });  // a long step now and then
+  EXPECT_TRUE(said.empty());
+  lasts(3000, 6000, [](int64_t) { return 90; });
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_EQ(said[0].first, 3200);
+  EXPECT_EQ(said[0].second, "the patient is 90 ms behind your hand");
+  lasts(6000, 8000, [](int64_t t) { return t % 200 < 100 ? 80 : 60; });  // about the limit
+  EXPECT_EQ(said.size(), 1u);
+  lasts(8000, 9000, [](int64_t) { return 400; });
+  ASSERT_EQ(said.size(), 2u) << "twice as far: said again";
+  EXPECT_EQ(said[1].second, "the patient is 400 ms behind your hand");
+  lasts(9000, 12000, [](int64_t) { return 16; });
+  ASSERT_EQ(said.size(), 3u);
+  EXPECT_EQ(said[2].second, "the patient keeps up with your hand again");
+  EXPECT_NEAR(double(said[2].first), 10000, 20);
+}
+
+// A patient whose steps take three periods: a recorded hand waits for it, a live one is told.
+TEST(RealTime, AHandThatWaitsLosesNoStepAndALiveOneIsTold) {
+  for (const bool waits : {true, false}) {
+    Rig rig(surgeon());
+    rig.patient.take_time(waits ? 48'000'000 : 110'000'000);
+    SessionSettings set = quick();
+    set.hand_waits = waits, set.settle_steps = 1, set.end_tick = 1500;
+    std::string said;
+    set.say = [&](const std::string& line) { said += line + "\n"; };
+    const SessionFigures f = run_realtime(rig.lanes(), set, {});
+    EXPECT_EQ(f.hand, waits ? "waits" : "live");
+    const double age_ms = double(f.device.age.percentile_ns(0.99)) * 1e-6;
+    if (waits) {
+      EXPECT_EQ(f.solver.skipped, 0u);
+      EXPECT_NEAR(double(rig.solver.steps()), 1500.0 / 16, 4);
+      EXPECT_GT(f.waited_ns, 1'500'000'000);  // 94 steps, each 32 ms too long
+      EXPECT_LE(age_ms, 33) << "the hand is at most two periods ahead";
+      EXPECT_EQ(said.find("behind your hand"), std::string::npos) << said;
+    } else {
+      EXPECT_GT(f.solver.skipped, 50u);
+      EXPECT_EQ(f.waited_ns, 0);
+      EXPECT_GT(age_ms, 75);
+      EXPECT_NE(said.find("ms behind your hand"), std::string::npos) << said;
+    }
+  }
+}
+
+// The hand aimed at skin as it was shown; a long step has moved it since.
+TEST(SolverLane, AStitchIsNotPlacedOnSkinThatIsNotWhereItWasShown) {
+  const auto stitch = [](double a_away_mm, double b_away_mm) {
+    Rig rig(std::make_unique<Endless>());
+    rig.solver.start();
+    rig.solver.step(16);
+    int64_t seq = 0;
+    for (const auto& [kind, x, away] :
+         {std::tuple(ToolEvent::suture_a, -3.3, a_away_mm), std::tuple(ToolEvent::suture_b, 3.3, b_away_mm)}) {
+      ToolEvent e;
+      e.seq = seq++, e.tick = 20, e.snapshot = 0, e.kind = kind, e.tool = int32_t(Tool::suture);
+      e.chart_x = e.rest_mm[0] = e.seen_mm[0] = x;
+      e.seen_mm[2] = away;
+      rig.channels->events.push(e);
+    }
+    rig.solver.step(32);
+    return rig.solver.refused().empty() ? std::string() : rig.solver.refused()[0].reason;
+  };
+  EXPECT_EQ(stitch(0, 0), "");
+  EXPECT_EQ(stitch(1.9, 1.9), "");
+  for (const bool first : {true, false}) {
+    const std::string why = stitch(first ? 3 : 0, first ? 0 : 3);
+    EXPECT_NE(why.find("3.0 mm from where it was shown"), std::string::npos) << why;
   }
 }
 

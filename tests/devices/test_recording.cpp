@@ -39,13 +39,23 @@ std::vector<Blob> blobs() {
           {BlobKind::texture, "exact.png", std::string(8192, 'x')}};
 }
 
+StateSample state(int64_t step) {
+  StateSample s;
+  s.step = step, s.topology = 0xfedcba9876543210u, s.vertices = 1000, s.n = StateSample::kPlaces;
+  for (int32_t k = 0; k < s.n; ++k) s.at_mm[size_t(k)] = {float(k), -0.25f * float(step), 1e-3f};
+  s.sutures_N = 1.5f, s.hooks_N = 0.75f;
+  return s;
+}
+
 std::vector<uint8_t> recording_bytes(const TemporaryFolder& dir, int samples) {
   RecordingWriter w;
   w.open(dir / "r.lcm", session(), blobs(), true);
   int i = 0;
   for (const Sample& s : stream(samples)) {
     w.on_sample(s);
-    if (++i % 100 == 0) w.checkpoint(i * 8, uint64_t(i) << 40);
+    if (++i % 100 != 0) continue;
+    w.checkpoint(i * 8, uint64_t(i) << 40);
+    w.state(state(i));
   }
   EXPECT_TRUE(w.finish(9000, 77));
   return bytes_of(dir / "r.lcm");
@@ -71,9 +81,49 @@ TEST(Recording, RoundTrip) {
   for (size_t i = 0; i < want.size(); ++i) EXPECT_TRUE(same(r.samples[i], want[i])) << i;
   ASSERT_EQ(r.checkpoints.size(), 3u);
   EXPECT_EQ(r.checkpoints[1].hash, uint64_t(200) << 40);
+  ASSERT_EQ(r.states.size(), 3u);
+  StateDifference none;
+  for (const StateSample& s : r.states) add(none, state(s.step), s);
+  EXPECT_EQ(none.compared, 3);
+  EXPECT_EQ(none.other_topology, 0);
+  EXPECT_EQ(none.mm, 0);
+  EXPECT_EQ(none.N, 0);
   ASSERT_TRUE(r.end);
   EXPECT_EQ(r.end->hash, 77u);
   EXPECT_EQ(r.end->events, r.events - 1);
+}
+
+TEST(Recording, StatesThatCannotBeAreRefused) {
+  TemporaryFolder dir;
+  const auto wrong = [&](auto change) {
+    RecordingWriter w;
+    w.open(dir / "s.lcm", session(), {}, true);
+    w.state(state(4));
+    StateSample s = state(5);
+    change(s);
+    w.state(s);
+    w.finish(9, 1);
+    const Recording r = read_recording(dir / "s.lcm");
+    return r.states.size() == 1 && r.damage.total() == 1;
+  };
+  EXPECT_FALSE(wrong([](StateSample&) {}));
+  EXPECT_TRUE(wrong([](StateSample& s) { s.step = 4; }));
+  EXPECT_TRUE(wrong([](StateSample& s) { s.vertices = 5; }));
+  EXPECT_TRUE(wrong([](StateSample& s) { s.at_mm[3][1] = std::nanf(""); }));
+  EXPECT_TRUE(wrong([](StateSample& s) { s.hooks_N = 1 / 0.0f; }));
+}
+
+TEST(Recording, HowFarTwoStatesAreApart) {
+  StateDifference d;
+  StateSample a = state(1), b = state(1);
+  b.at_mm[7][0] += 3, b.at_mm[7][2] += 4, b.sutures_N -= 0.5f;
+  add(d, a, b);
+  EXPECT_NEAR(d.mm, 5, 1e-5);
+  EXPECT_EQ(d.N, 0.5);
+  b.topology ^= 1;
+  add(d, a, b);
+  EXPECT_EQ(d.compared, 2);
+  EXPECT_EQ(d.other_topology, 1);
 }
 
 TEST(Recording, MessagesAreThoseOfTheirDefinitions) {
@@ -286,6 +336,34 @@ TEST(Recording, HostileBytesNeverDoHarm) {
   }
   EXPECT_EQ(read + refused, 100'000);
   EXPECT_GT(read, 80'000);
+}
+
+TEST(Recording, SaysWhenItsTickZeroWas) {
+  const TemporaryFolder dir;
+  constexpr int64_t opened_ns = 1'700'000'000'000'000'000, began_ns = opened_ns + 4'000'000'000;
+  SessionInfo s = session();
+  s.utc_start_ns = opened_ns;
+  RecordingWriter w;
+  w.open(dir / "r.lcm", s, blobs(), true);
+  w.began(began_ns);  // the patient was built meanwhile
+  for (const Sample& sample : stream(10)) w.on_sample(sample);
+  EXPECT_TRUE(w.finish(100, 1));
+  const Recording r = read_recording(dir / "r.lcm");
+  ASSERT_TRUE(r.session);
+  EXPECT_EQ(r.session->utc_start_ns, began_ns);
+  EXPECT_EQ(r.session->scene_hash, s.scene_hash);
+  EXPECT_EQ(r.damage.total(), 0);
+  ASSERT_TRUE(r.end);
+  EXPECT_EQ(r.blobs.size(), blobs().size());
+  LogReader log(dir / "r.lcm");
+  int64_t last = 0;
+  for (LogEvent e; log.next(e);) {
+    EXPECT_GE(e.time_us, last);
+    last = e.time_us;
+    if (e.channel == kStylusChannel) {
+      EXPECT_GE(e.time_us, began_ns / 1000);
+    }
+  }
 }
 
 TEST(Recording, RandomBytesAreRefusedQuickly) {

@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include <filesystem>
 #include <fstream>
@@ -67,6 +68,19 @@ TEST(Image, BadFilesAreInputErrors) {
     std::ofstream(dir / "cut.png", std::ios::binary) << bytes.substr(0, n);
     EXPECT_THROW(read_png(dir / "cut.png"), InputError) << n << " of " << bytes.size() << " bytes";
   }
+}
+
+/// A header that promises much costs nothing until it is believed: 16,000 x 16,000 pixels would be 768 MB.
+TEST(Image, APictureThatPromisesTooMuchIsRefused) {
+  const auto promised = [](uint32_t side) {
+    std::string bytes = encode_png(sample(40, 30));
+    for (size_t at : {size_t(16), size_t(20)})
+      for (size_t k = 0; k < 4; ++k) bytes[at + k] = char(side >> (24 - 8 * k) & 255);
+    const uLong crc = crc32(0, reinterpret_cast<const Bytef*>(bytes.data() + 12), 17);
+    for (size_t k = 0; k < 4; ++k) bytes[29 + k] = char(crc >> (24 - 8 * k) & 255);
+    return bytes;
+  };
+  for (const uint32_t side : {3000u, 16'000u, 60'000u}) EXPECT_THROW(decode_png(promised(side), "big.png"), InputError);
 }
 
 TEST(Image, FailedWriteLeavesTheOldFile) {

@@ -2,12 +2,11 @@
 // plan foretold, landmarks, perfusion.
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include "app/report/html.h"
 #include "app/report/report_names.h"
 #include "app/report/sections.h"
+#include "sim/base/whole_file.h"
 
 namespace limberg::sections {
 
@@ -17,10 +16,12 @@ namespace {
 
 /// A map that the run has left beside its result.
 html::Markup map_in(const std::string& dir, const char* name, const char* alt) {
-  std::ifstream in(std::filesystem::path(dir) / name, std::ios::binary);
-  const std::string svg((std::istreambuf_iterator<char>(in)), {});
-  if (!svg.starts_with("<svg") || svg.size() > (4u << 20)) return {};
-  return html::map(html::svg_data_url(svg), alt);
+  try {
+    const std::string svg = read_whole_file((std::filesystem::path(dir) / name).string(), size_t(4) << 20);
+    return svg.starts_with("<svg") ? html::map(html::svg_data_url(svg), alt) : html::Markup{};
+  } catch (const InputError&) {
+    return {};  // none, or none to be shown
+  }
 }
 
 html::Markup force_over_time(const ReportData& d) {

@@ -3,6 +3,7 @@
 
 #include "app/report/html.h"
 #include "app/report/sections.h"
+#include "app/result/verdict_words.h"
 
 namespace limberg::sections {
 
@@ -66,10 +67,16 @@ Verdict verdict_of(const ReportData& d) {
     v.say(bars_met(d, size_t(met)), size_t(met) < d.bars.size() ? Light::bad : Light::good);
   }
   if (!d.sutures().empty() && gap) {
-    const bool closed = *gap <= kSutureGap_mm.bad;
-    v.say((closed ? "Closed with " : "Not fully closed with ") + std::to_string(d.sutures().size()) +
-              (d.sutures().size() == 1 ? " suture" : " sutures") + ", largest gap " + quantity(gap, "mm", 2),
-          closed ? Light::good : Light::warn);
+    // Whether the wound is closed only its whole edge can say, and stitches whose bites have met say nothing of it.
+    const bool looked = !d.verdict.empty(), met = *gap <= kSutureGap_mm.bad,
+               closed = std::any_of(d.verdict.begin(), d.verdict.end(),
+                                    [](const ResultVerdict&l) { return l.what == kClosedWhole; });
+    v.say((closed   ? "Closed along its whole edge with "
+           : looked ? "Not closed, with "
+                    : "Sewn with ") +
+              std::to_string(d.sutures().size()) + (d.sutures().size() == 1 ? " suture" : " sutures") +
+              ", bites up to " + quantity(gap, "mm", 2) + " apart",
+          (closed || !looked) && met ? Light::good : Light::warn);
   }
   if (!d.sutures().empty() && force) v.say("largest suture force " + quantity(force, "N"), light_of_force(*force));
   if (d.of_bones()) v.say(bones_moved(d), Light::good);
@@ -90,6 +97,19 @@ html::Markup verdict_line(const ReportData& d) {
     if (d.bars.empty()) line = joined({"The run did not reach its goal", line}, ": ");
   }
   return line.empty() ? html::Markup() : html::verdict(v.light, capital(line) + ".");
+}
+
+/// What is wrong, then what is worth a look: a page begins with it.
+html::Markup faults(const ReportData& d) {
+  html::Markup all;
+  for (const auto& [name, light, title] : {std::tuple(light_names::bad, Light::bad, "What is wrong"),
+                                           std::tuple(light_names::warn, Light::warn, "Worth a look")}) {
+    std::vector<html::Markup> lines;
+    for (const ResultVerdict& l : d.verdict)
+      if (l.light == name) lines.push_back(capital(in_words(l)));
+    if (!lines.empty()) all += html::verdict(light, html::bold(title) + html::list(lines));
+  }
+  return all;
 }
 
 html::Markup damage(const ReportData& d) {
@@ -138,15 +158,18 @@ html::Markup key_figures(const ReportData& d) {
         closure && *closure > kClosureForce_N.bad ? Light::bad : Light::none);
   k.add("suture_force_max_N", force, "N", 3, "largest suture force", "one thread",
         force ? light_of_force(*force) : Light::none);
-  k.add("suture_gap_max_mm", gap, "mm", 2, "largest gap", "closed up to " + quantity(kSutureGap_mm.bad, "mm"),
+  k.add("suture_gap_max_mm", gap, "mm", 2, "bites apart, at most",
+        "met up to " + quantity(kSutureGap_mm.bad, "mm") + "; it is not the wound's gape",
         gap && *gap <= kSutureGap_mm.bad ? Light::good : Light::warn);
   k.add("dog_ear_mm", d.metric("dog_ear_mm"), "mm", 3, "dog-ear height",
         ear_volume ? quantity(ear_volume, "mm³") + " above the skin" : "standing cone above the skin");
-  k.add("wound_gape_mm", d.metric("wound_gape_mm"), "mm", 2, "wound gape", "95 % of the edge gapes less");
+  const Maybe widest = d.metric("wound_gape_max_mm");
+  k.add("wound_gape_mm", d.metric("wound_gape_mm"), "mm", 2, "wound gape",
+        "95 % of the edge gapes less" + (widest ? ", at most " + quantity(widest, "mm", 2) : ""));
   k.add("flap_area_mm2", d.metric("flap_area_mm2"), "mm²", 3, "flap area", "");
   k.add("elongation", d.metric("elongation"), "×", 3, "elongation", "of the central limb's line");
   k.add("stretch_p99", d.metric("stretch_p99"), "×", 3, "stretch, 99th percentile",
-        stretch_max ? "largest " + quantity(stretch_max, "×") : "");
+        stretch_max ? "largest but for 1 mm² " + quantity(stretch_max, "×") : "");
   std::vector<html::Card>& cards = k.cards;
   if (d.of_bones()) {
     cards.push_back({number(d.metric("fragments").value_or(0)), "pieces of bone", "what was cut out counts"});
@@ -168,7 +191,7 @@ html::Markup key_figures(const ReportData& d) {
 
 html::Markup summary(const ReportSource& source) {
   const ReportData& d = source.d;
-  return verdict_line(d) + damage(d) + last_picture(source) + key_figures(d);
+  return faults(d) + verdict_line(d) + damage(d) + last_picture(source) + key_figures(d);
 }
 
 }  // namespace limberg::sections

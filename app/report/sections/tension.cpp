@@ -14,7 +14,12 @@ html::Markup tension(const ReportSource& source) {
       "operation is included. Lines part the steps of the scale.";
   if (const Maybe v = d.metric("stress_p95_kPa")) {
     words += " Stress: 95th percentile " + html::quantity(v, "kPa");
-    if (const Maybe most = d.metric("stress_max_kPa")) words += ", largest " + html::quantity(most, "kPa");
+    if (const Maybe most = d.metric("stress_max_kPa"))
+      words += ", largest " + html::quantity(most, "kPa") + " (but for 1\u202fmm², and for skin beyond its law)";
+    if (const Maybe beyond = d.metric("beyond_law_mm2"); beyond && *beyond > 0)
+      words += "; " + html::quantity(beyond, "mm²") +
+               " are stretched by more than 1.54, at which excised skin tears "
+               "(Ni Annaidh 2012): no law tells their stress";
     words += ".";
   }
   html::Markup more;

@@ -64,6 +64,10 @@ html::Markup timing(const ReportSource& source) {
     body += html::paragraph(
         "This run was driven in lockstep, on a virtual clock: steps and frames could take as long as they liked, and "
         "the times say what the work cost.");
+  if (said(d.solver.hand) == "waits")
+    body +=
+        html::paragraph("The hand was emulated or recorded and waited for the patient: the session's clock stood for " +
+                        quantity(d.solver.waited_ms, "ms") + " in all, so that no step was skipped.");
   if (const std::string facts = counts(d); !facts.empty()) body += html::paragraph(facts);
   body += html::chart(svg(chart)) +
           html::note(

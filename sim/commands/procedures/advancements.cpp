@@ -1,6 +1,7 @@
 // Flaps that slide or turn: V-Y, advancement, rotation, bilobed, O-to-Z.
 #include <algorithm>
 
+#include "sim/base/elementary.h"
 #include "sim/commands/procedures/figures.h"
 #include "sim/commands/procedures/shapes.h"
 
@@ -76,7 +77,7 @@ Figure bilobed(double diameter, double turn) {
   // In polar coordinates about the pivot P: the defect fills -turn/2..turn/2,
   // the first lobe turn/2..3 turn/2, the second up to 5 turn/2. The circle of
   // the defect touches the rays at `edge` from the pivot.
-  const double r = diameter / 2, d = r / std::sin(turn / 2 / kDeg), edge = d * std::cos(turn / 2 / kDeg);
+  const double r = diameter / 2, d = r / elementary::sin(turn / 2 / kDeg), edge = d * elementary::cos(turn / 2 / kDeg);
   const auto cap = [&](int lobe) {  // the lobe's outer arc, from its lower ray to its upper one
     return arc(d * along(turn * lobe), r, turn * lobe - 90 - turn / 2, turn * lobe + 90 + turn / 2, 10);
   };

@@ -1,4 +1,5 @@
 // Fusiform excision and M-plasty.
+#include "sim/base/elementary.h"
 #include "sim/base/error.h"
 #include "sim/commands/procedures/figures.h"
 #include "sim/commands/procedures/shapes.h"
@@ -14,7 +15,7 @@ struct Arc {
   double radius, tip_deg;  // the arc runs from 90 + tip_deg to 90 - tip_deg
   Arc(double width, double length) : radius((length * length + width * width) / (4 * width)) {
     centre = {0, width / 2 - radius};
-    tip_deg = std::asin(length / 2 / radius) * kDeg;
+    tip_deg = elementary::asin(length / 2 / radius) * kDeg;
   }
 };
 Vec2 below(const Vec2& p) { return {p.x(), -p.y()}; }
@@ -39,7 +40,7 @@ Figure fusiform(double width, double ratio) {
 Figure m_plasty(double width, double ratio, double tip_share, double tip_deg) {
   const Arc a(width, width * ratio);
   // P: where the arc stands tip_share * width / 2 high; at_deg is its angle from the top, and the arc's slope there.
-  const double h = tip_share * width / 2, at_deg = std::acos((h - a.centre.y()) / a.radius) * kDeg;
+  const double h = tip_share * width / 2, at_deg = elementary::acos((h - a.centre.y()) / a.radius) * kDeg;
   const Vec2 P = a.centre + a.radius * along(90 - at_deg);
   // The small tip at P lies between the arc's tangent, which runs back to the middle, and the line to Q on the axis.
   const double down_deg = tip_deg - at_deg;
@@ -48,7 +49,7 @@ Figure m_plasty(double width, double ratio, double tip_share, double tip_deg) {
         "m_plasty", 0,
         "a tip of " + std::to_string(int(tip_deg)) + " degrees never meets the axis, since the arcs still close by " +
             std::to_string(int(at_deg + 0.5)) + " degrees there; expected a larger tip_deg, tip_share or ratio");
-  const double tongue = h / std::sin(down_deg / kDeg);
+  const double tongue = h / elementary::sin(down_deg / kDeg);
   const Vec2 Q = P - tongue * along(down_deg);
   const double s_deg = at_deg - tongue / a.radius * kDeg;  // S: as far back along the arc as the tongue is long
   if (s_deg < -a.tip_deg + 5)

@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 
+#include "sim/base/elementary.h"
 #include "sim/base/union_find.h"
 
 namespace limberg {
@@ -52,7 +53,7 @@ class Meetings {
       const Vec2 ahead = edge_from(f_, corner);
       c.q_deg -= tissue_deg(f_, corner);
       c.meeting.push_back(place(f_, corner));
-      c.sector.push_back({std::atan2(ahead.y(), ahead.x()) * kDeg, tissue_deg(f_, corner)});
+      c.sector.push_back({elementary::atan2(ahead.y(), ahead.x()) * kDeg, tissue_deg(f_, corner)});
       for (const Straight& s : straight_[size_t(i)])
         c.q_deg -= 180, c.meeting.push_back(s.at), c.sector.push_back({s.from_deg, 180});
     }
@@ -99,7 +100,7 @@ class Meetings {
         const Vec2 p = place(f_, b.corner[k - 1]), q = place(f_, b.corner[k]),
                    ahead = b.forward ? Vec2(q - p) : Vec2(p - q);
         straight_[size_t(number_.at(a.corner[i]))].push_back(
-            {(1 - u) * p + u * q, std::atan2(ahead.y(), ahead.x()) * kDeg});
+            {(1 - u) * p + u * q, elementary::atan2(ahead.y(), ahead.x()) * kDeg});
       }
     }
   }
@@ -117,7 +118,7 @@ const Vec2& place(const Figure& f, const Corner& c) { return wound(f, c).at(size
 double tissue_deg(const Figure& f, const Corner& c) {
   const Vec2 out = edge_from(f, c), back = edge_back(f, c);
   // from the edge ahead to that behind
-  double a = std::atan2(out.x() * back.y() - out.y() * back.x(), out.dot(back)) * kDeg;
+  double a = elementary::atan2(out.x() * back.y() - out.y() * back.x(), out.dot(back)) * kDeg;
   if (std::abs(a) < 1e-9) return 360;  // the end of a slit
   return a < 0 ? a + 360 : a;
 }
@@ -125,7 +126,8 @@ double tissue_deg(const Figure& f, const Corner& c) {
 Vec2 tissue_bisector(const Figure& f, const Corner& c) {
   const Vec2 out = edge_from(f, c);
   const double half = tissue_deg(f, c) / 2 / kDeg;
-  return {std::cos(half) * out.x() - std::sin(half) * out.y(), std::sin(half) * out.x() + std::cos(half) * out.y()};
+  return {elementary::cos(half) * out.x() - elementary::sin(half) * out.y(),
+          elementary::sin(half) * out.x() + elementary::cos(half) * out.y()};
 }
 
 std::vector<Vec2> bank(const Figure& f, const Corner& from, const Corner& to, bool forward) {

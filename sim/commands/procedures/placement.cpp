@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>
 
+#include "sim/base/elementary.h"
 #include "sim/base/error.h"
 
 namespace limberg {
@@ -34,7 +35,7 @@ OnSkin::OnSkin(const Skin& skin, const Placement& placement) : skin_(skin), plac
   origin_ = {hit->X_mm, hit->normal, hit->triangle};
   const Vec3 n = unit_normal(m, hit->triangle);
   const double a = placement.turn_deg * std::numbers::pi / 180;
-  const Vec3 ahead = std::cos(a) * body.chart_e1 + std::sin(a) * body.chart_e2;
+  const Vec3 ahead = elementary::cos(a) * body.chart_e1 + elementary::sin(a) * body.chart_e2;
   u_ = (ahead - ahead.dot(n) * n).normalized();
   v_ = n.cross(u_);
   std::map<std::pair<int32_t, int32_t>, std::pair<int32_t, int32_t>> half;  // directed edge -> triangle, edge

@@ -1,6 +1,7 @@
 // The snap rule: a blade that lies entirely on earlier walls has cut nothing.
 #include <cmath>
 
+#include "sim/base/elementary.h"
 #include "sim/cutting/arrangement/store.h"
 #include "sim/geometry/triangle.h"
 
@@ -10,7 +11,7 @@ namespace {
 
 constexpr double kAside_mm = 0.05;  // from the wall's plane
 constexpr double kBeyond_mm = 0.1;  // from the wall's triangle, all directions
-const double kSnapCosine = std::cos(15 * 3.14159265358979323846 / 180);
+const double kSnapCosine = elementary::cos(15 * 3.14159265358979323846 / 180);
 
 }  // namespace
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/base/elementary.h"
 #include "sim/cutting/strokes/pull_back.h"
 
 namespace limberg {
@@ -101,12 +102,13 @@ double leg_end(std::span<const Vec2> path, double lean, double depth_mm, double 
   for (size_t i = 1; i < n; ++i) arc[i] = arc[i - 1] + (path[i] - path[i - 1]).norm();
   for (size_t i = 1; i + 1 < n; ++i) {
     const Vec2 d = path[i] - path[i - 1], e = path[i + 1] - path[i];
-    turn[i] = std::atan2(d.x() * e.y() - d.y() * e.x(), d.dot(e));
+    turn[i] = elementary::atan2(d.x() * e.y() - d.y() * e.x(), d.dot(e));
   }
   for (size_t i = 1; i + 1 < n; ++i) {
     if (arc[i] - after < kLeastLeg || arc[n - 1] - arc[i] < kLeastLeg) continue;
     // The mitred edge runs back by so much on the inner side of the turn.
-    const double back = std::tan(std::min(std::abs(turn[i]) / 2, 1.57)) * std::abs(lean) * (depth_mm + 2 * kWallExtra);
+    const double back =
+        elementary::tan(std::min(std::abs(turn[i]) / 2, 1.57)) * std::abs(lean) * (depth_mm + 2 * kWallExtra);
     if (turn[i] * lean > 0 || std::abs(turn[i]) < kLegTurn || back < kLegFold * kSpacing) continue;
     double beside = 0;  // a curve is no corner
     for (size_t j = 1; j + 1 < n; ++j)

@@ -4,6 +4,7 @@
 #include <functional>
 #include <numbers>
 
+#include "sim/base/elementary.h"
 #include "sim/cutting/arrangement/tri_tests.h"
 #include "sim/cutting/strokes/blade_parts.h"
 #include "sim/cutting/strokes/sheet_mesh.h"
@@ -211,7 +212,8 @@ BladeResult build_undermining(const BladeContext& c, std::span<const ChartPoint>
         v.height = *h;
         for (int k = 0; k < 8 && v.deep; ++k) {
           const double w = k * std::numbers::pi / 4;
-          v.deep = pocket_height(mesh->vertex[i] + kDeepReach * Vec2(std::cos(w), std::sin(w))).has_value();
+          v.deep =
+              pocket_height(mesh->vertex[i] + kDeepReach * Vec2(elementary::cos(w), elementary::sin(w))).has_value();
         }
       }
       sheet.push_back(v);

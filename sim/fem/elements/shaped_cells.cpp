@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "sim/base/elementary.h"
 #include "sim/base/error.h"
 
 namespace limberg {
@@ -152,7 +153,7 @@ FemModel ShapedModel::finish(double density) const {
       used[a] = s.points[0].gradients->row(Eigen::Index(a)).squaredNorm() > 0, sum += used[a];
     for (size_t a = 0; a < 8; ++a) m.mass_kg[size_t(c.node[a])] += density * s.volume_mm3 * used[a] / sum;
   }
-  m.cell_mm = Vec3::Constant(std::cbrt(std::max(mean, 1e-300)));
+  m.cell_mm = Vec3::Constant(elementary::cbrt(std::max(mean, 1e-300)));
   return m;
 }
 

@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "sim/base/elementary.h"
 #include "sim/base/error.h"
 #include "sim/fem/materials/isotropic.h"
 
@@ -24,9 +25,9 @@ Mat3 get(const float* v) {
 /// L and L' at J. Where the layer's own pressure s is negative a straight line keeps the energy bounded.
 std::pair<double, double> log_volume(double J, double s) {
   if (s < 0) return {J - 1, 1};
-  if (J >= kLeastJ) return {std::log(J), 1 / J};
+  if (J >= kLeastJ) return {elementary::log(J), 1 / J};
   const double x = (J - kLeastJ) / kLeastJ;
-  return {std::log(kLeastJ) + x - 0.5 * x * x, (1 - x) / kLeastJ};
+  return {elementary::log(kLeastJ) + x - 0.5 * x * x, (1 - x) / kLeastJ};
 }
 
 }  // namespace
@@ -161,8 +162,8 @@ void ViscousPoints::begin_step(double dt_s) {
   for (Point& p : points_) {
     p.a.clear(), p.h.clear(), p.G = 0;
     for (const auto& t : p.term) {
-      p.a.push_back(std::exp(-dt_s / t.time_s));
-      p.h.push_back(std::exp(-0.5 * dt_s / t.time_s));
+      p.a.push_back(elementary::exp(-dt_s / t.time_s));
+      p.h.push_back(elementary::exp(-0.5 * dt_s / t.time_s));
       p.G += t.ratio * p.h.back();
     }
   }

@@ -1,4 +1,7 @@
 // The one loop that visits the material (element_system.h has the formulas).
+//
+// A cell here, a cell to a lane in cells_wide.cpp: the two share no line, and every number of a cell goes through the
+// same operations in the same order in both, so that which of them runs is not seen in the result (tests).
 #include "sim/fem/kernels/parts.h"
 
 namespace limberg::fem::LIMBERG_SET {
@@ -14,60 +17,49 @@ inline float dot3(v4 a, v4 b) {
   return m[0] + m[1] + m[2];
 }
 
-[[maybe_unused]] constexpr int least_wide =
-    6;  // cells of one stencil in a row from which sixteen lanes pay, even if most idle
-
-/// f = K u + f0 for the eight nodes; returns sum of u . (f + f0), spread over the lanes.
+/// f = K u + f0 for the eight nodes, of which the first does not move: even columns and odd ones in a sum each, in
+/// order. Returns sum of u . (f + f0), spread over the lanes.
 #if LIMBERG_LANES == 512
 inline v4 deviatoric(const KernelStencil& s, const v4* un, v4* f) {
   const v16* f0 = reinterpret_cast<const v16*>(s.f0);
   const v16* K = reinterpret_cast<const v16*>(s.K);
-  const v16i p0 = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
-  const v16i p1 = {4, 4, 4, 4, 5, 5, 5, 5, 6, 6, 6, 6, 7, 7, 7, 7};
-  const v16i p2 = {8, 8, 8, 8, 9, 9, 9, 9, 10, 10, 10, 10, 11, 11, 11, 11};
-  const v16i p3 = {12, 12, 12, 12, 13, 13, 13, 13, 14, 14, 14, 14, 15, 15, 15, 15};
-  v16 a0 = f0[0], b0 = f0[1], a1 = {}, b1 = {};
-  for (int j = 0; j < 4; ++j) {
+  const parti p0 = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
+  const parti p1 = {4, 4, 4, 4, 5, 5, 5, 5, 6, 6, 6, 6, 7, 7, 7, 7};
+  const parti p2 = {8, 8, 8, 8, 9, 9, 9, 9, 10, 10, 10, 10, 11, 11, 11, 11};
+  const parti p3 = {12, 12, 12, 12, 13, 13, 13, 13, 14, 14, 14, 14, 15, 15, 15, 15};
+  const v16 x = in_every_lane(un + 1);
+  v16 a0 = f0[0], b0 = f0[1], a1 = __builtin_shuffle(K[0], p2) * x, b1 = __builtin_shuffle(K[0], p3) * x;
+  for (int j = 1; j < 4; ++j) {
     const v16 k = K[j];  // columns 2 j and 2 j + 1
     const v16 x0 = in_every_lane(un + 2 * j), x1 = in_every_lane(un + 2 * j + 1);
     a0 += __builtin_shuffle(k, p0) * x0, b0 += __builtin_shuffle(k, p1) * x0;
     a1 += __builtin_shuffle(k, p2) * x1, b1 += __builtin_shuffle(k, p3) * x1;
   }
-  a0 += a1, b0 += b1;
-  reinterpret_cast<v16*>(f)[0] = a0, reinterpret_cast<v16*>(f)[1] = b0;
-  v4 w = {};
-  for (int a = 0; a < 8; ++a) w += (f[a] + reinterpret_cast<const v4*>(s.f0)[a]) * un[a];
-  return w;
-}
-#elif LIMBERG_LANES == 256
-inline v4 deviatoric(const KernelStencil& s, const v4* un, v4* f) {
-  v16 a = get(s.f0), b = get(s.f0 + 16);
-  for (int k = 0; k < 8; ++k) {
-    const v16 x = in_every_lane(un + k);
-    a += spread(s.K + 8 * k) * x, b += spread(s.K + 8 * k + 4) * x;
-  }
-  put(f, a), put(f + 4, b);
-  v4 w = {};
-  for (int i = 0; i < 8; ++i) w += (f[i] + reinterpret_cast<const v4*>(s.f0)[i]) * un[i];
-  return w;
-}
+  reinterpret_cast<v16*>(f)[0] = a0 + a1, reinterpret_cast<v16*>(f)[1] = b0 + b1;
 #else
-inline v4 deviatoric(const KernelStencil& s, const v4* u, v4* f) {
-  const v4* f0 = reinterpret_cast<const v4*>(s.f0);
-  for (int a = 0; a < 8; ++a) f[a] = f0[a];
-  for (int b = 0; b < 8; ++b)
-    for (int a = 0; a < 8; ++a) f[a] += s.K[8 * b + a] * u[b];
-  v4 w = {};
-  for (int a = 0; a < 8; ++a) w += (f[a] + f0[a]) * u[a];
+inline v4 deviatoric(const KernelStencil& s, const v4* un, v4* f) {
+  for (int half = 0; half < 2; ++half) {  // four nodes each
+    const float* K = s.K + 4 * half;
+    const v16 x = in_every_lane(un + 1);
+    v16 a = get(s.f0 + 16 * half), b = spread(K + 8) * x;
+    for (int j = 2; j < 8; j += 2) {
+      a += spread(K + 8 * j) * in_every_lane(un + j);
+      b += spread(K + 8 * j + 8) * in_every_lane(un + j + 1);
+    }
+    put(f + 4 * half, a + b);
+  }
+#endif
+  const v4* f0s = reinterpret_cast<const v4*>(s.f0);
+  v4 w = (f[1] + f0s[1]) * un[1];
+  for (int a = 2; a < 8; ++a) w += (f[a] + f0s[a]) * un[a];
   return w;
 }
-#endif
 
-/// Columns of G = F - I at the sample point off the centre.
+/// Columns of G = F - I at the sample point off the centre; n[0] is zero.
 LIMBERG_INLINE void gradients(const KernelStencil& s, const v4* n, v4& gx, v4& gy, v4& gz) {
-  gx = (n[1] - n[0]) * s.bx[0] + (n[3] - n[2]) * s.bx[1] + (n[5] - n[4]) * s.bx[2] + (n[7] - n[6]) * s.bx[3];
-  gy = (n[2] - n[0]) * s.by[0] + (n[3] - n[1]) * s.by[1] + (n[6] - n[4]) * s.by[2] + (n[7] - n[5]) * s.by[3];
-  gz = (n[4] - n[0]) * s.bz[0] + (n[5] - n[1]) * s.bz[1] + (n[6] - n[2]) * s.bz[2] + (n[7] - n[3]) * s.bz[3];
+  gx = n[1] * s.bx[0] + (n[3] - n[2]) * s.bx[1] + ((n[5] - n[4]) * s.bx[2] + (n[7] - n[6]) * s.bx[3]);
+  gy = n[2] * s.by[0] + (n[3] - n[1]) * s.by[1] + ((n[6] - n[4]) * s.by[2] + (n[7] - n[5]) * s.by[3]);
+  gz = n[4] * s.bz[0] + (n[5] - n[1]) * s.bz[1] + ((n[6] - n[2]) * s.bz[2] + (n[7] - n[3]) * s.bz[3]);
 }
 /// f += V P grad N there, columns of V P in h.
 LIMBERG_INLINE void spread_to_corners(const KernelStencil& s, v4 hx, v4 hy, v4 hz, v4* f) {
@@ -137,11 +129,11 @@ LIMBERG_INLINE float layer_stretch(const KernelStencil& s, const LayerPlane& p, 
   gradients(s, n, sx, sy, sz);
   const float there = layer_stretch(s, layer_plane(t1, t2, N, sx, sy, sz), t1, t2, at1, at2);
 
-  const float V = s.volume, slide = s.slide, a = 1 + a1, b = 1 + b1;
-  const float left = slide * (1 - share), back = slide * share;
+  const float V = s.volume, slide = s.slide, b = 1 + b1;
+  const float left = slide * (1 - share), back = slide * share, la = left * (1 + a1);
   const v4 q1 = left * (b1 * t1 + b * p.r1) + c1, q2 = left * (b1 * t2 + b * p.r2) + c2;
   for (int i = 0; i < 3; ++i) {
-    v4 column = left * (a * C[i]) - q1 * t1[i] - q2 * t2[i] + back * N[i] * gN;
+    v4 column = la * C[i] - q1 * t1[i] - q2 * t2[i] + back * N[i] * gN;
     column[i] += left * a1;
     h[i] += V * column;
   }
@@ -163,7 +155,6 @@ CellSums run(const CellView& d, const Tile& tile, const Node4* u, const float* q
   for (int c = tile.first_cell; c < tile.last_cell; ++c) {
     const KernelCell& cell = d.cells[c];
     const KernelStencil& s = d.stencils[cell.stencil];
-#if LIMBERG_LANES == 512
     int same = c + 1;
     while (same < tile.last_cell && d.cells[same].stencil == cell.stencil) ++same;
     if (same - c >= least_wide) {
@@ -171,7 +162,6 @@ CellSums run(const CellView& d, const Tile& tile, const Node4* u, const float* q
       c = same - 1;
       continue;
     }
-#endif
     const float ix = s.inv4h[0], iy = s.inv4h[1], iz = s.inv4h[2];
     alignas(64) v4 n[8], f[8];
     // Relative to the first corner: a translation costs nothing, and its digits would be lost by those of the strain.
@@ -182,14 +172,12 @@ CellSums run(const CellView& d, const Tile& tile, const Node4* u, const float* q
     // Columns of G = F - I at the sample point.
     v4 gx, gy, gz;
     if (s.centred) {
-      const v4 s0 = n[0] + n[1], s1 = n[2] + n[3], s2 = n[4] + n[5], s3 = n[6] + n[7];
-      gx = (((n[1] - n[0]) + (n[3] - n[2])) + ((n[5] - n[4]) + (n[7] - n[6]))) * ix;
-      gy = ((s1 - s0) + (s3 - s2)) * iy;
-      gz = ((s2 + s3) - (s0 + s1)) * iz;
+      const v4 s1 = n[2] + n[3], s2 = n[4] + n[5], s3 = n[6] + n[7];
+      gx = ((n[1] + (n[3] - n[2])) + ((n[5] - n[4]) + (n[7] - n[6]))) * ix;
+      gy = ((s1 - n[1]) + (s3 - s2)) * iy;
+      gz = ((s2 + s3) - (n[1] + s1)) * iz;
     } else {
-      gx = (n[1] - n[0]) * s.bx[0] + (n[3] - n[2]) * s.bx[1] + (n[5] - n[4]) * s.bx[2] + (n[7] - n[6]) * s.bx[3];
-      gy = (n[2] - n[0]) * s.by[0] + (n[3] - n[1]) * s.by[1] + (n[6] - n[4]) * s.by[2] + (n[7] - n[5]) * s.by[3];
-      gz = (n[4] - n[0]) * s.bz[0] + (n[5] - n[1]) * s.bz[1] + (n[6] - n[2]) * s.bz[2] + (n[7] - n[3]) * s.bz[3];
+      gradients(s, n, gx, gy, gz);
     }
     // Columns of cof F - I = (tr G) I - G^T + cof G, without ever subtracting numbers near 1.
     const v4 mx = cross(gy, gz), my = cross(gz, gx), mz = cross(gx, gy);
@@ -227,10 +215,7 @@ CellSums run(const CellView& d, const Tile& tile, const Node4* u, const float* q
       f[0] -= a + hz, f[1] += b - hz, f[2] -= b + hz, f[3] += a - hz;
       f[4] += hz - a, f[5] += b + hz, f[6] += hz - b, f[7] += a + hz;
     } else {
-      f[0] -= hx * s.bx[0] + hy * s.by[0] + hz * s.bz[0], f[1] += hx * s.bx[0] - hy * s.by[1] - hz * s.bz[1];
-      f[2] += hy * s.by[0] - hx * s.bx[1] - hz * s.bz[2], f[3] += hx * s.bx[1] + hy * s.by[1] - hz * s.bz[3];
-      f[4] += hz * s.bz[0] - hx * s.bx[2] - hy * s.by[2], f[5] += hx * s.bx[2] + hz * s.bz[1] - hy * s.by[3];
-      f[6] += hy * s.by[2] + hz * s.bz[2] - hx * s.bx[3], f[7] += hx * s.bx[3] + hy * s.by[3] + hz * s.bz[3];
+      spread_to_corners(s, hx, hy, hz, f);
     }
     for (int k = 0; k < 8; ++k) {
       v4 g = f[k] * cell.scale;

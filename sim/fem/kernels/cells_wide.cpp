@@ -1,28 +1,26 @@
-// Sixteen cells of one stencil at a time, a cell to a lane: the
-// same formulas as cells.cpp without its fourth lane of zeros,
-// its shuffles, and a load of the stencil for every cell. For
-// registers of 64 bytes: the displacements of a cell fill 21.
+// Cells of one stencil, a cell to a lane of a register: the same operations on every cell as in cells.cpp, without its
+// fourth lane of zeros, its shuffles, and a load of the stencil for every cell.
 #include "sim/fem/kernels/parts.h"
 
 namespace limberg::fem::LIMBERG_SET {
-#if LIMBERG_LANES == 512
 namespace {
 
 struct Three {
-  v16 x, y, z;
+  part x, y, z;
 };
 LIMBERG_INLINE Three operator+(Three a, Three b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 LIMBERG_INLINE Three operator-(Three a, Three b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 LIMBERG_INLINE Three operator*(Three a, float s) { return {a.x * s, a.y * s, a.z * s}; }
-LIMBERG_INLINE Three operator*(Three a, v16 s) { return {a.x * s, a.y * s, a.z * s}; }
+LIMBERG_INLINE Three operator*(Three a, part s) { return {a.x * s, a.y * s, a.z * s}; }
 LIMBERG_INLINE Three cross(Three a, Three b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-LIMBERG_INLINE v16 dot(Three a, Three b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+LIMBERG_INLINE part dot(Three a, Three b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
+/// A number less zero is that number, the sign of its own zero included.
 LIMBERG_INLINE Three everywhere(const float* v) {
-  const v16 o = {};
-  return {o + v[0], o + v[1], o + v[2]};
+  const part o = {};
+  return {v[0] - o, v[1] - o, v[2] - o};
 }
 
 /// Columns of G = F - I at a sample point off the centre; n[0] is zero.
@@ -46,7 +44,7 @@ LIMBERG_INLINE void spread_to_corners(const KernelStencil& s, Three hx, Three hy
 /// What layers that share a cell add: as in cells.cpp, line by line.
 struct LayerPlane {
   Three r1, r2;
-  v16 in_plane, bend, sigma;
+  part in_plane, bend, sigma;
 };
 LIMBERG_INLINE LayerPlane layer_plane(const KernelStencil& s, const Three* g) {
   const Three t1 = everywhere(s.along), t2 = everywhere(s.across), N = everywhere(s.normal);
@@ -60,36 +58,36 @@ LIMBERG_INLINE LayerPlane layer_plane(const KernelStencil& s, const Three* g) {
   p.sigma = 2.0f * p.in_plane + p.bend;
   return p;
 }
-LIMBERG_INLINE v16 layer_stretch(const KernelStencil& s, const LayerPlane& p, Three& q1, Three& q2) {
+LIMBERG_INLINE part layer_stretch(const KernelStencil& s, const LayerPlane& p, Three& q1, Three& q2) {
   const float L = s.rest + s.rest_lambda;
-  const v16 D = L + s.rest_lambda * p.sigma, inv = 1.0f / D;
-  const v16 c1 = -s.rest_lambda * p.sigma * (L + D) * inv * inv, c = 1.0f + c1;
+  const part D = L + s.rest_lambda * p.sigma, inv = 1.0f / D;
+  const part c1 = -s.rest_lambda * p.sigma * (L + D) * inv * inv, c = 1.0f + c1;
   q1 = (everywhere(s.along) * c1 + p.r1 * c) * -s.rest, q2 = (everywhere(s.across) * c1 + p.r2 * c) * -s.rest;
   return (-0.5f * s.rest) * (L * p.bend - 2.0f * s.rest_lambda * p.in_plane * p.sigma) * inv;
 }
-[[gnu::noinline]] v16 add_layers(const KernelStencil& s, const Three* n, const Three* g, const Three* C, v16 th,
-                                 v16 second, Three* h, Three* f) {
+[[gnu::noinline]] part add_layers(const KernelStencil& s, const Three* n, const Three* g, const Three* C, part th,
+                                  part second, Three* h, Three* f) {
   const LayerPlane p = layer_plane(s, g);
   const Three gN = g[0] * s.normal[0] + g[1] * s.normal[1] + g[2] * s.normal[2];
-  const v16 gnn = gN.x * s.normal[0] + gN.y * s.normal[1] + gN.z * s.normal[2], J = 1.0f + th, area2 = 1.0f + p.sigma;
-  const v16 inv = 1.0f / area2;
+  const part gnn = gN.x * s.normal[0] + gN.y * s.normal[1] + gN.z * s.normal[2], J = 1.0f + th, area2 = 1.0f + p.sigma;
+  const part inv = 1.0f / area2;
   constexpr float i = 1 / slide_least;
-  const v16 d = (area2 - slide_least) * i, value = i * (1.0f - d + d * d), slope = (-i * i) * (1.0f - 2.0f * d);
-  const v16 full = (2.0f * second - p.bend + th * th - 2.0f * p.sigma * gnn) * inv, full_a1 = (th - p.sigma) * inv;
-  const v16i flat = area2 < slide_least;
-  const v16 energy = flat ? J * J * value - 1.0f - 2.0f * gnn : full;
-  const v16 a1 = flat ? J * value - 1.0f : full_a1, b1 = flat ? -J * J * slope - 1.0f : full_a1 * (J + area2) * inv;
-  const v16 slip = dot(gN, gN) - energy;
-  const v16 below = 1.0f / (slip + slip_limit), share = slip * (slip + 2 * slip_limit) * below * below,
-            stiffer = slip * slip * below;
+  const part d = (area2 - slide_least) * i, value = i * (1.0f - d + d * d), slope = (-i * i) * (1.0f - 2.0f * d);
+  const part full = (2.0f * second - p.bend + th * th - 2.0f * p.sigma * gnn) * inv, full_a1 = (th - p.sigma) * inv;
+  const parti flat = area2 < slide_least;
+  const part energy = flat ? J * J * value - 1.0f - 2.0f * gnn : full;
+  const part a1 = flat ? J * value - 1.0f : full_a1, b1 = flat ? -J * J * slope - 1.0f : full_a1 * (J + area2) * inv;
+  const part slip = dot(gN, gN) - energy;
+  const part below = 1.0f / (slip + slip_limit), share = slip * (slip + 2 * slip_limit) * below * below,
+             stiffer = slip * slip * below;
   Three c1, c2, at1, at2;
-  const v16 here = layer_stretch(s, p, c1, c2);
+  const part here = layer_stretch(s, p, c1, c2);
   Three there_g[3];
   gradients(s, n, there_g);
-  const v16 there = layer_stretch(s, layer_plane(s, there_g), at1, at2);
+  const part there = layer_stretch(s, layer_plane(s, there_g), at1, at2);
 
-  const v16 left = s.slide * (1.0f - share), back = s.slide * share, b = 1.0f + b1, la = left * (1.0f + a1),
-            extra = left * a1;
+  const part left = s.slide * (1.0f - share), back = s.slide * share, b = 1.0f + b1, la = left * (1.0f + a1),
+             extra = left * a1;
   const Three q1 = (everywhere(s.along) * b1 + p.r1 * b) * left + c1,
               q2 = (everywhere(s.across) * b1 + p.r2 * b) * left + c2;
   for (int k = 0; k < 3; ++k) {
@@ -103,66 +101,83 @@ LIMBERG_INLINE v16 layer_stretch(const KernelStencil& s, const LayerPlane& p, Th
   return s.volume * (0.5f * s.slide * (energy + stiffer) + (there - here));
 }
 
-/// Corner `a` of sixteen cells.
+/// Corner `a` of all cells.
 LIMBERG_INLINE Three gather(const KernelCell* const* cell, int a, const v4* local) {
-  alignas(64) v16 r[4];
+  part r[4];
   for (int k = 0; k < 4; ++k) {
+#if LIMBERG_LANES == 512
     const __m256 low = _mm256_set_m128((__m128)local[cell[4 + k]->node[a]], (__m128)local[cell[k]->node[a]]);
     const __m256 high = _mm256_set_m128((__m128)local[cell[12 + k]->node[a]], (__m128)local[cell[8 + k]->node[a]]);
-    r[k] = (v16)_mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1);
+    r[k] = (part)_mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1);
+#elif LIMBERG_LANES == 256
+    r[k] = (part)_mm256_set_m128((__m128)local[cell[4 + k]->node[a]], (__m128)local[cell[k]->node[a]]);
+#else
+    r[k] = local[cell[k]->node[a]];
+#endif
   }
   Three t;
   from_rows(r, t.x, t.y, t.z);
   return t;
 }
 
-/// to_rows with a fourth number.
-LIMBERG_INLINE void to_nodes(Three f, v16 w, v16 r[4]) {
-  const v16i lo = {0, 16, 1, 17, 4, 20, 5, 21, 8, 24, 9, 25, 12, 28, 13, 29};
-  const v16i hi = {2, 18, 3, 19, 6, 22, 7, 23, 10, 26, 11, 27, 14, 30, 15, 31};
-  const v16i first = {0, 1, 16, 17, 4, 5, 20, 21, 8, 9, 24, 25, 12, 13, 28, 29};
-  const v16i second = {2, 3, 18, 19, 6, 7, 22, 23, 10, 11, 26, 27, 14, 15, 30, 31};
-  const v16 a = __builtin_shuffle(f.x, f.y, lo), b = __builtin_shuffle(f.x, f.y, hi);
-  const v16 c = __builtin_shuffle(f.z, w, lo), d = __builtin_shuffle(f.z, w, hi);
-  r[0] = __builtin_shuffle(a, c, first), r[1] = __builtin_shuffle(a, c, second);
-  r[2] = __builtin_shuffle(b, d, first), r[3] = __builtin_shuffle(b, d, second);
+LIMBERG_INLINE part root(part v) {
+#if LIMBERG_LANES == 512
+  return (part)_mm512_sqrt_ps((__m512)v);
+#elif LIMBERG_LANES == 256
+  return (part)_mm256_sqrt_ps((__m256)v);
+#else
+  return part{__builtin_sqrtf(v[0]), __builtin_sqrtf(v[1]), __builtin_sqrtf(v[2]), __builtin_sqrtf(v[3])};
+#endif
 }
 
-LIMBERG_INLINE v8d low_half(v16 v) { return (v8d)_mm512_cvtps_pd(_mm512_castps512_ps256((__m512)v)); }
-LIMBERG_INLINE v8d high_half(v16 v) { return (v8d)_mm512_cvtps_pd(_mm512_extractf32x8_ps((__m512)v, 1)); }
-LIMBERG_INLINE v8d size(v8d v) { return (v8d)_mm512_abs_pd((__m512d)v); }
-LIMBERG_INLINE double total(v8d v) { return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7])); }
+/// What a cell adds to the sums; added up in the order of the cells.
+struct Energies {
+  alignas(64) float scale[part_lanes], work[part_lanes], bulk[part_lanes], pre[part_lanes], layers[part_lanes];
+};
+LIMBERG_INLINE void add(const Energies& e, int count, bool layers, CellSums& sums) {
+  double energy[part_lanes], magnitude[part_lanes];
+  for (int l = 0; l < part_lanes; ++l) {
+    const double w = double(e.scale[l]), e1 = 0.5 * double(e.work[l]), e2 = double(e.bulk[l]), e3 = double(e.pre[l]);
+    energy[l] = w * (e1 + e2 - e3), magnitude[l] = w * (__builtin_fabs(e1) + e2 + __builtin_fabs(e3));
+  }
+  for (int l = 0; l < count; ++l) {
+    sums.energy += energy[l], sums.magnitude += magnitude[l];
+    if (!layers) continue;
+    const double w = double(e.scale[l]), e4 = double(e.layers[l]);
+    sums.energy += w * e4, sums.magnitude += w * __builtin_fabs(e4);
+  }
+}
 
 template <bool Measure>
 void run(const CellView& d, int first, int last, const v4* local, v4* out, const float* q, float* theta,
          CellSums& sums) {
   const KernelStencil& s = d.stencils[d.cells[first].stencil];
-  v8d energy = {}, magnitude = {};
-  for (int c = first; c < last; c += 16) {
-    const int count = last - c < 16 ? last - c : 16;
-    const KernelCell* cell[16];
-    alignas(64) float scales[16];
-    for (int l = 0; l < 16; ++l)
-      cell[l] = d.cells + c + (l < count ? l : count - 1), scales[l] = l < count ? cell[l]->scale : 0;
-    const __mmask16 used = __mmask16((1u << count) - 1);
-    const v16 scale = get(scales);
+  const part zero = {};
+  for (int c = first; c < last; c += part_lanes) {
+    const int count = last - c < part_lanes ? last - c : part_lanes;
+    const KernelCell* cell[part_lanes];
+    Energies sum;
+    alignas(64) float qs[part_lanes], thetas[part_lanes];
+    for (int l = 0; l < part_lanes; ++l) {
+      const int at = c + (l < count ? l : count - 1);
+      cell[l] = d.cells + at, sum.scale[l] = cell[l]->scale, qs[l] = q[at];
+    }
+    const part scale = *reinterpret_cast<const part*>(sum.scale);
 
     // Relative to the first corner, as there.
     Three n[8];
     const Three base = gather(cell, 0, local);
     for (int a = 1; a < 8; ++a) n[a] = gather(cell, a, local) - base;
     alignas(64) Three f[8];
-    v16 work = {};
+    Three work;
     for (int a = 0; a < 8; ++a) {
-      const v16 zero = {};
       const float x0 = s.f0[4 * a], y0 = s.f0[4 * a + 1], z0 = s.f0[4 * a + 2];
-      Three t = {zero + x0, zero + y0, zero + z0};
-      for (int b = 1; b < 8; ++b) {
-        const float k = s.K[8 * b + a];
-        t.x += k * n[b].x, t.y += k * n[b].y, t.z += k * n[b].z;
-      }
-      f[a] = t;
-      if (a > 0) work += (t.x + x0) * n[a].x + (t.y + y0) * n[a].y + (t.z + z0) * n[a].z;
+      Three even = {x0 - zero, y0 - zero, z0 - zero}, odd = n[1] * s.K[8 + a];
+      for (int b = 2; b < 8; b += 2) even = even + n[b] * s.K[8 * b + a], odd = odd + n[b + 1] * s.K[8 * b + 8 + a];
+      const Three t = f[a] = even + odd;
+      if (a == 0) continue;
+      const Three w = {(t.x + x0) * n[a].x, (t.y + y0) * n[a].y, (t.z + z0) * n[a].z};
+      work = a == 1 ? w : work + w;
     }
 
     // Columns of G = F - I at the sample point.
@@ -178,32 +193,25 @@ void run(const CellView& d, int first, int last, const v4* local, v4* out, const
     const Three &gx = g[0], &gy = g[1], &gz = g[2];
     // Columns of cof F - I = (tr G) I - G^T + cof G.
     Three cx = cross(gy, gz), cy = cross(gz, gx), cz = cross(gx, gy);
-    const v16 minor = cx.x;
+    const part minor = cx.x;
     cx.x += gy.y + gz.z, cx.y -= gy.x, cx.z -= gz.x;
     cy.x -= gx.y, cy.y += gx.x + gz.z, cy.z -= gz.y;
     cz.x -= gx.z, cz.y -= gy.z, cz.z += gx.x + gy.y;
-    const v16 second = minor + dot(gx, cx), th = gx.x + gy.y + gz.z + second;
-    _mm512_mask_storeu_ps(theta + c, used, (__m512)th);
-    const v16 x = th + (v16)_mm512_maskz_loadu_ps(used, q + c), p = s.ke * x, pm = p - s.p0;
-    const v16 bulk = (0.5f * s.volume) * p * x, pre = (s.p0 * s.volume) * second;
-    for (int half = 0; half < 2; ++half) {
-      const v8d w = half ? high_half(scale) : low_half(scale);
-      const v8d e1 = 0.5 * (half ? high_half(work) : low_half(work)), e2 = half ? high_half(bulk) : low_half(bulk),
-                e3 = half ? high_half(pre) : low_half(pre);
-      energy += w * (e1 + e2 - e3), magnitude += w * (size(e1) + e2 + size(e3));
-    }
+    const part second = minor + dot(gx, cx), th = gx.x + gy.y + gz.z + second;
+    *reinterpret_cast<part*>(thetas) = th;
+    for (int l = 0; l < count; ++l) theta[c + l] = thetas[l];
+    const part x = th + *reinterpret_cast<const part*>(qs), p = s.ke * x, pm = p - s.p0;
+    *reinterpret_cast<part*>(sum.work) = work.x + work.y + work.z;
+    *reinterpret_cast<part*>(sum.bulk) = (0.5f * s.volume) * p * x;
+    *reinterpret_cast<part*>(sum.pre) = (s.p0 * s.volume) * second;
 
-    Three h[3] = {cx * pm, cy * pm, cz * pm};
-    h[0].x += p, h[1].y += p, h[2].z += p;
+    Three h[3] = {cx * pm + Three{p, zero, zero}, cy * pm + Three{zero, p, zero}, cz * pm + Three{zero, zero, p}};
     for (Three& column : h) column = column * s.volume;
     if (s.slide != 0) {
       const Three C[3] = {cx, cy, cz};
-      const v16 e4 = add_layers(s, n, g, C, th, second, h, f);
-      for (int half = 0; half < 2; ++half) {
-        const v8d w = half ? high_half(scale) : low_half(scale), e = half ? high_half(e4) : low_half(e4);
-        energy += w * e, magnitude += w * size(e);
-      }
+      *reinterpret_cast<part*>(sum.layers) = add_layers(s, n, g, C, th, second, h, f);
     }
+    add(sum, count, s.slide != 0, sums);
     if (s.centred) {
       const Three hx = h[0] * s.inv4h[0], hy = h[1] * s.inv4h[1], hz = h[2] * s.inv4h[2], a = hx + hy, b = hx - hy;
       f[0] = f[0] - (a + hz), f[1] = f[1] + (b - hz), f[2] = f[2] - (b + hz), f[3] = f[3] + (a - hz);
@@ -211,17 +219,14 @@ void run(const CellView& d, int first, int last, const v4* local, v4* out, const
     } else {
       spread_to_corners(s, h[0], h[1], h[2], f);
     }
+    alignas(64) v4 forces[8][part_lanes];
     for (int a = 0; a < 8; ++a) {
       const Three force = f[a] * scale;
-      v16 w = {};
-      if (Measure) w = (v16)_mm512_sqrt_ps((__m512)dot(force, force));
-      alignas(64) v16 r[4];
-      to_nodes(force, w, r);
-      const v4* rows = reinterpret_cast<const v4*>(r);
-      for (int l = 0; l < count; ++l) out[cell[l]->node[a]] += rows[(l & 3) * 4 + (l >> 2)];
+      to_rows(force.x, force.y, force.z, Measure ? root(dot(force, force)) : zero, reinterpret_cast<part*>(forces[a]));
     }
+    for (int l = 0; l < count; ++l)
+      for (int a = 0; a < 8; ++a) out[cell[l]->node[a]] += forces[a][(l & 3) * (part_lanes / 4) + (l >> 2)];
   }
-  sums.energy += total(energy), sums.magnitude += total(magnitude);
 }
 
 }  // namespace
@@ -231,5 +236,5 @@ void cells_wide(const CellView& data, int first, int last, const v4* local, v4* 
   measure ? run<true>(data, first, last, local, out, q, theta, sums)
           : run<false>(data, first, last, local, out, q, theta, sums);
 }
-#endif
+
 }  // namespace limberg::fem::LIMBERG_SET

@@ -5,9 +5,10 @@
 //   avx2     AVX2 and FMA
 //   avx512   AVX-512 F, VL, BW, DQ
 //
-// Each table always gives the same bits; two tables agree to single-precision rounding (tests). Everything goes through
-// pointers to plain data: kernels share no function with the rest of the program (lanes.h). All arrays of nodes begin
-// on 64 bytes and may be read and written up to the next 64 (AlignedArray).
+// All tables give the same bits (tests): every sum has one order, which no register's width changes, and a product and
+// a sum are two roundings (not every machine can fuse them). Everything goes through pointers to plain data: kernels
+// share no function with the rest of the program (lanes.h). All arrays of nodes begin on 64 bytes and may be read and
+// written up to the next 64 (AlignedArray).
 #include "sim/base/node4.h"
 
 namespace limberg::fem {
@@ -85,6 +86,9 @@ struct PanelView {
   const int32_t* rows;
   const float* values;
 };
+/// Blocks of a factor in the making have columns of a multiple of so many rows, zero or nobody's below the last.
+inline constexpr int leading_step = 16;
+
 /// What one thread needs of its own: nodes for the most columns; for the rows, in blocks of 16.
 struct PanelScratch {
   Node4 *columns, *rows;
@@ -131,6 +135,14 @@ struct Kernels {
   // Panels [first, last), forward (adds of rows that are not inside go to `log`, one after the other) and backward.
   void (*panels_forward)(const PanelView&, size_t first, size_t last, Node4* y, Node4* log, const PanelScratch&);
   void (*panels_backward)(const PanelView&, size_t first, size_t last, Node4* y, const PanelScratch&);
+
+  // Dense blocks in double, column-major, `leading` numbers from one column to the next (preconditioner/supernodal.h).
+  /// The part on and below the diagonal of C = A B^T, A of `rows` x `depth`, B its first `count` rows. C, and what is
+  /// read of A, reach up to the next leading_step rows.
+  void (*multiply_transposed)(const double* A, size_t leading, int rows, int count, int depth, double* C, size_t ldc);
+  /// Cholesky of the first `count` rows of L, and the rows below solved with it; L begins on a multiple of leading_step
+  /// and what is above its diagonal is overwritten. False: not positive definite.
+  bool (*factor_panel)(double* L, size_t leading, int rows, int count);
 
   // Groups [first, last) of four rows; `scale` is one number per node.
   void (*scale_nodes)(const float* scale, const Node4* r, Node4* x, size_t first, size_t last);  // x = scale r

@@ -19,12 +19,46 @@
 
 namespace limberg::fem::LIMBERG_SET {
 
-typedef double v8d __attribute__((vector_size(64)));
+/// One register: `parts` of them hold sixteen floats.
+#if LIMBERG_LANES == 512
+typedef float part __attribute__((vector_size(64)));
+typedef int32_t parti __attribute__((vector_size(64)));
+#define LIMBERG_SHUFFLE(a, b, i, j, k, l)                                                                      \
+  __builtin_shuffle(a, b,                                                                                      \
+                    (parti{i, j, k, l, (i) + 4, (j) + 4, (k) + 4, (l) + 4, (i) + 8, (j) + 8, (k) + 8, (l) + 8, \
+                           (i) + 12, (j) + 12, (k) + 12, (l) + 12}))
+#elif LIMBERG_LANES == 256
+typedef float part __attribute__((vector_size(32)));
+typedef int32_t parti __attribute__((vector_size(32)));
+#define LIMBERG_SHUFFLE(a, b, i, j, k, l) \
+  __builtin_shuffle(a, b, (parti{i, j, k, l, (i) + 4, (j) + 4, (k) + 4, (l) + 4}))
+#else
+typedef v4 part;
+typedef v4i parti;
+#define LIMBERG_SHUFFLE(a, b, i, j, k, l) __builtin_shuffle(a, b, (parti{i, j, k, l}))
+#endif
+constexpr int part_lanes = int(sizeof(part) / sizeof(float)), parts = 16 / part_lanes;
+
+/// In every 128-bit lane a transposition of four by four: r[k] holds element k of x, y, z and w of that lane.
+LIMBERG_INLINE void to_rows(part x, part y, part z, part w, part r[4]) {
+  constexpr int B = part_lanes;  // where the numbers of a shuffle's second vector begin
+  const part a = LIMBERG_SHUFFLE(x, y, 0, B, 1, B + 1), b = LIMBERG_SHUFFLE(x, y, 2, B + 2, 3, B + 3);
+  const part c = LIMBERG_SHUFFLE(z, w, 0, B, 1, B + 1), d = LIMBERG_SHUFFLE(z, w, 2, B + 2, 3, B + 3);
+  r[0] = LIMBERG_SHUFFLE(a, c, 0, 1, B, B + 1), r[1] = LIMBERG_SHUFFLE(a, c, 2, 3, B + 2, B + 3);
+  r[2] = LIMBERG_SHUFFLE(b, d, 0, 1, B, B + 1), r[3] = LIMBERG_SHUFFLE(b, d, 2, 3, B + 2, B + 3);
+}
+/// The inverse, without the fourth.
+LIMBERG_INLINE void from_rows(const part r[4], part& x, part& y, part& z) {
+  constexpr int B = part_lanes;
+  const part a = LIMBERG_SHUFFLE(r[0], r[1], 0, B, 1, B + 1), b = LIMBERG_SHUFFLE(r[2], r[3], 0, B, 1, B + 1);
+  const part c = LIMBERG_SHUFFLE(r[0], r[1], 2, B + 2, 3, B + 3), d = LIMBERG_SHUFFLE(r[2], r[3], 2, B + 2, 3, B + 3);
+  x = LIMBERG_SHUFFLE(a, b, 0, 1, B, B + 1), y = LIMBERG_SHUFFLE(a, b, 2, 3, B + 2, B + 3);
+  z = LIMBERG_SHUFFLE(c, d, 0, 1, B, B + 1);
+}
 
 #if LIMBERG_LANES == 512
 
-typedef float v16 __attribute__((vector_size(64)));
-typedef int32_t v16i __attribute__((vector_size(64)));
+typedef part v16;
 
 LIMBERG_INLINE v16 get(const void* p) { return (v16)_mm512_loadu_ps(p); }
 LIMBERG_INLINE void put(void* p, v16 v) { _mm512_storeu_ps(p, (__m512)v); }
@@ -34,56 +68,14 @@ LIMBERG_INLINE v16 in_every_lane(const void* four) {
 }
 /// Each of four numbers in all of its lane.
 LIMBERG_INLINE v16 spread(const float* four) {
-  const v16i lanes = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
+  const parti lanes = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
   return __builtin_shuffle((v16)_mm512_castps128_ps512(_mm_loadu_ps(four)), lanes);
-}
-LIMBERG_INLINE double sum(v16 v) {
-  const v8d s = (v8d)_mm512_cvtps_pd(_mm512_castps512_ps256((__m512)v)) +
-                (v8d)_mm512_cvtps_pd(_mm512_extractf32x8_ps((__m512)v, 1));
-  const __m256d t = _mm256_add_pd(_mm512_castpd512_pd256((__m512d)s), _mm512_extractf64x4_pd((__m512d)s, 1));
-  const __m128d r = _mm_add_pd(_mm256_castpd256_pd128(t), _mm256_extractf128_pd(t, 1));
-  return _mm_cvtsd_f64(r) + _mm_cvtsd_f64(_mm_unpackhi_pd(r, r));
 }
 /// Three vectors of 16 numbers (x, y, z of 16 rows) to four
 /// vectors whose 128-bit lane l holds row 4*l + k as (x,y,z,0).
-LIMBERG_INLINE void to_rows(v16 x, v16 y, v16 z, v16 r[4]) {
-  const v16 o = {};
-  const v16i lo = {0, 16, 1, 17, 4, 20, 5, 21, 8, 24, 9, 25, 12, 28, 13, 29};
-  const v16i hi = {2, 18, 3, 19, 6, 22, 7, 23, 10, 26, 11, 27, 14, 30, 15, 31};
-  const v16i first = {0, 1, 16, 17, 4, 5, 20, 21, 8, 9, 24, 25, 12, 13, 28, 29};
-  const v16i second = {2, 3, 18, 19, 6, 7, 22, 23, 10, 11, 26, 27, 14, 15, 30, 31};
-  const v16 a = __builtin_shuffle(x, y, lo), b = __builtin_shuffle(x, y, hi);
-  const v16 c = __builtin_shuffle(z, o, lo), d = __builtin_shuffle(z, o, hi);
-  r[0] = __builtin_shuffle(a, c, first), r[1] = __builtin_shuffle(a, c, second);
-  r[2] = __builtin_shuffle(b, d, first), r[3] = __builtin_shuffle(b, d, second);
-}
-/// The inverse: r[k] has row 4*l + k in lane l.
-LIMBERG_INLINE void from_rows(const v16 r[4], v16& x, v16& y, v16& z) {
-  const v16i lo = {0, 16, 1, 17, 4, 20, 5, 21, 8, 24, 9, 25, 12, 28, 13, 29};
-  const v16i hi = {2, 18, 3, 19, 6, 22, 7, 23, 10, 26, 11, 27, 14, 30, 15, 31};
-  const v16i first = {0, 1, 16, 17, 4, 5, 20, 21, 8, 9, 24, 25, 12, 13, 28, 29};
-  const v16i second = {2, 3, 18, 19, 6, 7, 22, 23, 10, 11, 26, 27, 14, 15, 30, 31};
-  const v16 a = __builtin_shuffle(r[0], r[1], lo), b = __builtin_shuffle(r[2], r[3], lo);
-  const v16 c = __builtin_shuffle(r[0], r[1], hi), d = __builtin_shuffle(r[2], r[3], hi);
-  x = __builtin_shuffle(a, b, first), y = __builtin_shuffle(a, b, second);
-  z = __builtin_shuffle(c, d, first);
-}
+LIMBERG_INLINE void to_rows(v16 x, v16 y, v16 z, v16 r[4]) { to_rows(x, y, z, v16{}, r); }
 
 #else
-
-#if LIMBERG_LANES == 256
-typedef float part __attribute__((vector_size(32)));
-typedef int32_t parti __attribute__((vector_size(32)));
-#define LIMBERG_SHUFFLE(a, b, i, j, k, l) \
-  __builtin_shuffle(a, b, (parti{i, j, k, l, (i) + 4, (j) + 4, (k) + 4, (l) + 4}))
-constexpr int from_second = 8;  // where the numbers of a shuffle's second vector begin
-#else
-typedef v4 part;
-typedef v4i parti;
-#define LIMBERG_SHUFFLE(a, b, i, j, k, l) __builtin_shuffle(a, b, (parti{i, j, k, l}))
-constexpr int from_second = 4;
-#endif
-constexpr int parts = int(64 / sizeof(part));
 
 struct alignas(64) v16 {
   part p[parts];
@@ -140,36 +132,29 @@ LIMBERG_INLINE v16 spread(const float* four) {
 #endif
   return v;
 }
-LIMBERG_INLINE double sum(v16 v) {
-  double s = 0;
-  for (int i = 0; i < parts; ++i)
-    for (int k = 0; k < int(sizeof(part) / 4); ++k) s += double(v.p[i][k]);
-  return s;
-}
-// In every 128-bit lane a transposition of four by four, so wider registers need no other code.
 LIMBERG_INLINE void to_rows(v16 x, v16 y, v16 z, v16 r[4]) {
-  constexpr int B = from_second;
-  const part o = {};
   for (int i = 0; i < parts; ++i) {
-    const part a = LIMBERG_SHUFFLE(x.p[i], y.p[i], 0, B, 1, B + 1),
-               b = LIMBERG_SHUFFLE(x.p[i], y.p[i], 2, B + 2, 3, B + 3);
-    const part c = LIMBERG_SHUFFLE(z.p[i], o, 0, B, 1, B + 1), d = LIMBERG_SHUFFLE(z.p[i], o, 2, B + 2, 3, B + 3);
-    r[0].p[i] = LIMBERG_SHUFFLE(a, c, 0, 1, B, B + 1), r[1].p[i] = LIMBERG_SHUFFLE(a, c, 2, 3, B + 2, B + 3);
-    r[2].p[i] = LIMBERG_SHUFFLE(b, d, 0, 1, B, B + 1), r[3].p[i] = LIMBERG_SHUFFLE(b, d, 2, 3, B + 2, B + 3);
+    part t[4];
+    to_rows(x.p[i], y.p[i], z.p[i], part{}, t);
+    for (int k = 0; k < 4; ++k) r[k].p[i] = t[k];
   }
 }
 LIMBERG_INLINE void from_rows(const v16 r[4], v16& x, v16& y, v16& z) {
-  constexpr int B = from_second;
   for (int i = 0; i < parts; ++i) {
-    const part a = LIMBERG_SHUFFLE(r[0].p[i], r[1].p[i], 0, B, 1, B + 1),
-               b = LIMBERG_SHUFFLE(r[2].p[i], r[3].p[i], 0, B, 1, B + 1);
-    const part c = LIMBERG_SHUFFLE(r[0].p[i], r[1].p[i], 2, B + 2, 3, B + 3),
-               d = LIMBERG_SHUFFLE(r[2].p[i], r[3].p[i], 2, B + 2, 3, B + 3);
-    x.p[i] = LIMBERG_SHUFFLE(a, b, 0, 1, B, B + 1), y.p[i] = LIMBERG_SHUFFLE(a, b, 2, 3, B + 2, B + 3);
-    z.p[i] = LIMBERG_SHUFFLE(c, d, 0, 1, B, B + 1);
+    const part t[4] = {r[0].p[i], r[1].p[i], r[2].p[i], r[3].p[i]};
+    from_rows(t, x.p[i], y.p[i], z.p[i]);
   }
 }
 
 #endif
+
+/// The sum of sixteen numbers in double, folded in halves: 8 and 8, 4 and 4, 2 and 2, 1 and 1.
+LIMBERG_INLINE double sum(v16 v) {
+  float f[16];
+  __builtin_memcpy(f, &v, 64);
+  double s[8];
+  for (int i = 0; i < 8; ++i) s[i] = double(f[i]) + double(f[i + 8]);
+  return ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]));
+}
 
 }  // namespace limberg::fem::LIMBERG_SET

@@ -40,8 +40,8 @@ inline int slot(int i) { return (i & ~15) + (i & 3) * 4 + ((i >> 2) & 3); }
 
 }  // namespace
 
-// Several row blocks (forward) or columns (backward) at a time keep enough independent sums in flight, as far as there
-// are registers: nine and twelve of 64 bytes with AVX-512, three elsewhere.
+// A sum is taken in the order of the columns (forward) or row blocks (backward), whatever the registers. Several row
+// blocks or columns at a time keep enough sums in flight: nine and twelve of 64 bytes with AVX-512, three elsewhere.
 void panels_forward(const PanelView& f, size_t first, size_t last, Node4* y, Node4* log, const PanelScratch& scratch) {
   Node4* b = scratch.columns;
   for (size_t k = first; k < last; ++k) {
@@ -69,23 +69,13 @@ void panels_forward(const PanelView& f, size_t first, size_t last, Node4* y, Nod
 #endif
     for (; r0 < nr; r0 += 16, M += nc) {
       v16 s0 = {}, s1 = {}, s2 = {};
-#if LIMBERG_LANES == 512
-      v16 t0 = {}, t1 = {}, t2 = {};
-      int j = 0;
-      for (; j + 1 < nc; j += 2) {
-        const v16 m = M[j], n = M[j + 1];
-        ask_for(M + nc + j + ahead), ask_for(M + nc + j + ahead + 1);
-        s0 += m * b[j].x, s1 += m * b[j].y, s2 += m * b[j].z;
-        t0 += n * b[j + 1].x, t1 += n * b[j + 1].y, t2 += n * b[j + 1].z;
-      }
-      if (j < nc) s0 += M[j] * b[j].x, s1 += M[j] * b[j].y, s2 += M[j] * b[j].z;
-      s0 += t0, s1 += t1, s2 += t2;
-#else
       for (int j = 0; j < nc; ++j) {
         const v16 m = M[j];
+#if LIMBERG_LANES == 512
+        ask_for(M + nc + j + ahead);
+#endif
         s0 += m * b[j].x, s1 += m * b[j].y, s2 += m * b[j].z;
       }
-#endif
       scatter(s0, s1, s2, y, p, rows, r0, log);
     }
     log += nr - p.inside;

@@ -10,11 +10,11 @@ CellSums evaluate_tile(const CellView& data, const Tile& tile, const Node4* u, c
 void sum_slots(const CellView& data, const Node4* slots, size_t begin, size_t end, Node4* out);
 constexpr float slip_limit = 2.5f;    // layer_slide.h
 constexpr float slide_least = 0.25f;  // layer_slide.h: squared area ratio from which downwards the energy is continued
-#if LIMBERG_LANES == 512
 /// Cells [first, last) of a tile, all of one stencil; `local`, `out`: the tile's nodes.
 void cells_wide(const CellView& data, int first, int last, const v4* local, v4* out, const float* q, float* theta,
                 bool measure, CellSums& sums);
-#endif
+/// Cells of one stencil in a row from which a cell to a lane pays, even if some lanes idle (measured).
+constexpr int least_wide = part_lanes == 16 ? 6 : part_lanes == 8 ? 4 : 3;
 void update_multipliers(const CellView& data, const float* theta, float* q, float scale_of_increment, size_t first,
                         size_t last);
 
@@ -33,6 +33,9 @@ bool all_finite(const Node4* a, size_t nodes, size_t first, size_t last);
 
 void panels_forward(const PanelView& f, size_t first, size_t last, Node4* y, Node4* log, const PanelScratch& s);
 void panels_backward(const PanelView& f, size_t first, size_t last, Node4* y, const PanelScratch& s);
+
+void multiply_transposed(const double* A, size_t leading, int rows, int count, int depth, double* C, size_t ldc);
+bool factor_panel(double* L, size_t leading, int rows, int count);
 
 void scale_nodes(const float* scale, const Node4* r, Node4* x, size_t first, size_t last);
 void residual(const GroupView& A, const Node4* r, const Node4* x, Node4* t, size_t first, size_t last);

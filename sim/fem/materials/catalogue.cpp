@@ -5,6 +5,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "sim/base/elementary.h"
 #include "sim/base/error.h"
 #include "sim/fem/materials/fibres.h"
 #include "sim/fem/materials/isotropic.h"
@@ -42,7 +43,7 @@ void check(const LawSpec& spec, const LawCatalogue::Entry& e) {
 }
 
 LayerLaw skin_fibres(const LawCatalogue::Values& v) {
-  const double a = v.number("fibre_angle_deg") * std::numbers::pi / 180, c = std::cos(a), s = std::sin(a);
+  const double a = v.number("fibre_angle_deg") * std::numbers::pi / 180, c = elementary::cos(a), s = elementary::sin(a);
   std::vector<FibreFamily> families{{{c, s, 0}}};
   if (std::fabs(c * s) > 1e-9) families.push_back({{c, -s, 0}});  // at 0 and 90 degrees both are the same
   return {v.number("mu_kPa"),

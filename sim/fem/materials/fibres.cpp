@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "sim/base/elementary.h"
 #include "sim/base/error.h"
 
 namespace limberg {
@@ -63,7 +64,7 @@ class DispersedFibres final : public MaterialLaw {
     double f, f1, f2;
   };
   Scalar energy(double E) const {
-    const double e = std::min(E, largest_), x = std::exp(c_.k2 * e * e);
+    const double e = std::min(E, largest_), x = elementary::exp(c_.k2 * e * e);
     Scalar s{c_.k1_kPa / (2 * c_.k2) * (x - 1), c_.k1_kPa * e * x, c_.k1_kPa * x * (1 + 2 * c_.k2 * e * e)};
     const double beyond = E - e;
     s.f += s.f1 * beyond + 0.5 * s.f2 * beyond * beyond;

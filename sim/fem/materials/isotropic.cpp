@@ -3,6 +3,8 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "sim/base/elementary.h"
+
 namespace limberg {
 
 Isotropic::Isotropic(std::shared_ptr<const PrincipalEnergy> energy, double a, double b)
@@ -21,7 +23,7 @@ PrincipalResponse Isotropic::at_stretches(const Vec3& s) const {
   Vec3 phi = s, d1 = Vec3::Ones(), d2 = Vec3::Zero(), below = Vec3::Zero();
   for (int i = 0; i < 3; ++i) {
     if (s[i] >= a_) continue;
-    const double t = std::tanh((a_ - s[i]) / (a_ - b_)), sech2 = 1 - t * t;
+    const double t = elementary::tanh((a_ - s[i]) / (a_ - b_)), sech2 = 1 - t * t;
     phi[i] = b_ + (a_ - b_) * (1 - t);
     d1[i] = sech2;
     d2[i] = 2 * t * sech2 / (a_ - b_);

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "sim/base/elementary.h"
 #include "sim/base/error.h"
 #include "sim/fem/materials/isotropic.h"
 
@@ -44,7 +45,7 @@ struct NeoHookeanLog final : PrincipalEnergy {
   PrincipalResponse at(const Vec3& s) const override {
     PrincipalResponse r{0.5 * mu * (s.squaredNorm() - 3), mu * s, mu * Mat3::Identity()};
     const Volume v(s);
-    const double l = std::log(v.J);
+    const double l = elementary::log(v.J);
     add_volumetric(r, v, 0.5 * lambda * l * l - mu * l, (lambda * l - mu) / v.J, (lambda * (1 - l) + mu) / (v.J * v.J));
     return r;
   }
@@ -56,7 +57,7 @@ struct NeoHookeanIsochoric final : PrincipalEnergy {
   NeoHookeanIsochoric(double m, double k) : mu(m), bulk(k) {}
   PrincipalResponse at(const Vec3& s) const override {
     const Volume v(s);
-    const double I = s.squaredNorm(), p = std::pow(v.J, -2.0 / 3);
+    const double I = s.squaredNorm(), p = elementary::pow(v.J, -2.0 / 3);
     const double p1 = -2.0 / 3 * p / v.J, p2 = 10.0 / 9 * p / (v.J * v.J);
     PrincipalResponse r;
     r.psi = 0.5 * mu * (I * p - 3);
@@ -96,7 +97,7 @@ struct Ogden final : PrincipalEnergy {
     PrincipalResponse r;
     for (const OgdenTerm& t : terms)
       for (int i = 0; i < 3; ++i) {
-        const double p = std::pow(s[i], t.alpha - 2);
+        const double p = elementary::pow(s[i], t.alpha - 2);
         r.psi += t.mu_kPa / t.alpha * (p * s[i] * s[i] - 1);
         r.d[i] += t.mu_kPa * p * s[i];
         r.dd(i, i) += t.mu_kPa * (t.alpha - 1) * p;

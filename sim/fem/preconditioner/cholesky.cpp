@@ -33,41 +33,48 @@ cholmod_sparse view_of(const ScalarMatrix& A) {
 
 }  // namespace
 
-ScalarFactor factorize(const ScalarMatrix& A, std::span<const int32_t> order) {
+SupernodalShape analyze(const ScalarMatrix& A, std::span<const int32_t> order) {
   keep_single_threaded();
-  ScalarFactor out;
-  if (A.n() == 0) return out;
   cholmod_common common;
   cholmod_start(&common);
   common.print = 0;
   common.supernodal = CHOLMOD_SUPERNODAL;
-  common.final_ll = 1;
   common.nmethods = 1;
   common.method[0].ordering = order.empty() ? CHOLMOD_METIS : CHOLMOD_GIVEN;
   common.postorder = 1;
-
   cholmod_sparse S = view_of(A);
   std::vector<int32_t> given(order.begin(), order.end());
   cholmod_factor* L =
       order.empty() ? cholmod_analyze(&S, &common) : cholmod_analyze_p(&S, given.data(), nullptr, 0, &common);
-  bool ok = L && cholmod_factorize(&S, L, &common) && common.status == CHOLMOD_OK && L->is_super;
+  SupernodalShape shape;
+  const bool ok = L && common.status == CHOLMOD_OK && L->is_super;
   if (ok) {
-    SupernodalView view;
-    view.n = A.n();
-    view.supernodes = int32_t(L->nsuper);
-    view.super = static_cast<const int32_t*>(L->super);
-    view.rows_begin = static_cast<const int32_t*>(L->pi);
-    view.rows = static_cast<const int32_t*>(L->s);
-    view.values_begin = static_cast<const int32_t*>(L->px);
-    view.values = static_cast<const double*>(L->x);
-    out.panels = PanelFactor(view);
-    const int32_t* perm = static_cast<const int32_t*>(L->Perm);
-    out.node_order.resize(size_t(A.n()));
-    for (int32_t k = 0; k < A.n(); ++k) out.node_order[size_t(k)] = A.node_of_row[size_t(perm[k])];
+    const auto list = [](const void* p, size_t count) {
+      const int32_t* first = static_cast<const int32_t*>(p);
+      return std::vector<int32_t>(first, first + count);
+    };
+    shape.order = list(L->Perm, size_t(A.n()));
+    shape.super = list(L->super, L->nsuper + 1), shape.rows_begin = list(L->pi, L->nsuper + 1);
+    shape.rows = list(L->s, size_t(shape.rows_begin.back()));
   }
   cholmod_free_factor(&L, &common);
   cholmod_finish(&common);
-  if (!ok) throw std::runtime_error("the scalar stiffness matrix is not positive definite");
+  if (!ok) throw std::runtime_error("the scalar stiffness matrix could not be analysed");
+  return shape;
+}
+
+ScalarFactor factorize(const ScalarMatrix& A, std::span<const int32_t> order) {
+  ScalarFactor out;
+  if (A.n() == 0) return out;
+  const SupernodalShape shape = analyze(A, order);
+  const SupernodalFactor L = factorize(A, shape, default_kernels());
+  SupernodalView view;
+  view.n = A.n(), view.supernodes = shape.supernodes();
+  view.super = shape.super.data(), view.rows_begin = shape.rows_begin.data(), view.rows = shape.rows.data();
+  view.values_begin = L.begin.data(), view.values = L.values.data();
+  out.panels = PanelFactor(view);
+  out.node_order.resize(size_t(A.n()));
+  for (size_t k = 0; k < out.node_order.size(); ++k) out.node_order[k] = A.node_of_row[size_t(shape.order[k])];
   return out;
 }
 

@@ -36,23 +36,24 @@ PanelFactor::PanelFactor(const SupernodalView& L) : n_(L.n) {
     rows_.insert(rows_.end(), rows + p.columns, rows + p.rows);
     max_columns_ = std::max(max_columns_, p.columns), max_rows_ = std::max(max_rows_, p.rows);
     const size_t nc = size_t(p.columns), nr = size_t(p.rows);
-    const double* l = L.values + L.values_begin[s];  // l(i, j) = l[i + j nr]
+    const double* l = L.values + L.values_begin[s];  // l(i, j) = l[i + j ld]
+    const size_t ld = SupernodalView::leading(nr);
 
     // M is the solution of M D = [I ; -L21]: columns from the last to the first.
     M.assign(nr * nc, 0);
     for (size_t j = 0; j < nc; ++j) {
       M[j + j * nr] = 1;
-      for (size_t i = nc; i < nr; ++i) M[i + j * nr] = -l[i + j * nr];
+      for (size_t i = nc; i < nr; ++i) M[i + j * nr] = -l[i + j * ld];
     }
     for (size_t j = nc; j-- > 0;) {
       double* mj = &M[j * nr];
       for (size_t k = j + 1; k < nc; ++k) {
-        const double f = l[k + j * nr];
+        const double f = l[k + j * ld];
         if (f == 0) continue;
         const double* mk = &M[k * nr];
         for (size_t i = k; i < nr; ++i) mj[i] -= f * mk[i];
       }
-      const double inv = 1 / l[j + j * nr];
+      const double inv = 1 / l[j + j * ld];
       for (size_t i = j; i < nr; ++i) mj[i] *= inv;
     }
     for (size_t i = 0; i < nr; ++i)

@@ -24,9 +24,10 @@ struct SupernodalView {
   int32_t n = 0, supernodes = 0;
   const int32_t* super = nullptr;  // first column of each, supernodes + 1 entries
   const int32_t* rows_begin = nullptr;
-  const int32_t* rows = nullptr;  // row indices, the diagonal block's first
-  const int32_t* values_begin = nullptr;
-  const double* values = nullptr;  // column-major
+  const int32_t* rows = nullptr;         // row indices, the diagonal block's first
+  const size_t* values_begin = nullptr;  // supernodes + 1 entries
+  const double* values = nullptr;        // column-major, columns of `leading`(rows) numbers
+  static size_t leading(size_t rows) { return (rows + leading_step - 1) / leading_step * leading_step; }
 };
 
 class PanelFactor {

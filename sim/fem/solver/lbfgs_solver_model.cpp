@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/base/elementary.h"
 #include "sim/base/error.h"
 #include "sim/fem/model/hanging_nodes.h"
 #include "sim/fem/solver/lbfgs_solver.h"
@@ -60,7 +61,8 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, const ParentL
   }
   if (!same_matter) {
     floor_weight_.clear();
-    for (const Stencil& st : model->stencils) floor_weight_.push_back({st.mu_kPa, std::pow(st.volume_mm3, 2.0 / 3)});
+    for (const Stencil& st : model->stencils)
+      floor_weight_.push_back({st.mu_kPa, elementary::pow(st.volume_mm3, 2.0 / 3)});
   }
   model_ = std::move(model);
   fixed_.clear();

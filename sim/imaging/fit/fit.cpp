@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/base/elementary.h"
 #include "sim/base/error.h"
 #include "sim/geometry/bvh.h"
 #include "sim/imaging/fit/fit_parts.h"
@@ -51,8 +52,8 @@ class Fitter {
       const double move = settle(t, s_.iterations, true);
       if (s_.progress) s_.progress(stage, m_.vertices(), move);
       if (stage + 1 < s_.stages)
-        refine(std::max(s_.edge_mm,
-                        longest * std::pow(s_.edge_mm / longest, double(stage + 1) / std::max(1, s_.stages - 2))),
+        refine(std::max(s_.edge_mm, longest * elementary::pow(s_.edge_mm / longest,
+                                                              double(stage + 1) / std::max(1, s_.stages - 2))),
                2, uint64_t(stage) + 1);
     }
     if (s_.open_ends) {
@@ -89,7 +90,7 @@ class Fitter {
 
  private:
   double range(double t) const {
-    return std::max(2 * sight_.voxel(), s_.range_mm * std::pow(2 * sight_.voxel() / s_.range_mm, t));
+    return std::max(2 * sight_.voxel(), s_.range_mm * elementary::pow(2 * sight_.voxel() / s_.range_mm, t));
   }
 
   void refine(double edge, int passes, uint64_t seed) {
@@ -105,8 +106,8 @@ class Fitter {
     Law law;
     ZoneLaw& z = law.zone[0];
     z.constraint = Constraint::angle, z.alpha = 0.5;
-    z.rigidity = std::max(1, int(std::lround(8 * std::pow(1. / 8, t))));
-    z.beta = 0.05 * std::pow(10, t);
+    z.rigidity = std::max(1, int(std::lround(8 * elementary::pow(1. / 8, t))));
+    z.beta = 0.05 * elementary::pow(10, t);
     law.external_stiffness = 2;  // along the normal, and at rims towards the border of the data
     const double edge = mean_edge(m_);
     law.max_step_mm = std::min(0.25 * s_.range_mm, 0.5 * edge);

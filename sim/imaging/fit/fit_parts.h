@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/elementary.h"
 #include "sim/base/workers.h"
 #include "sim/geometry/point_tree.h"
 #include "sim/imaging/fit/fit.h"
@@ -65,7 +66,7 @@ class VolumeSight final : public Sight {
         tree_(p.surface_mm),
         walls_(p.wall_mm),
         to_voxel_(p.volume.step_mm.inverse()),
-        mean_voxel_(std::cbrt(std::abs(p.volume.step_mm.determinant()))) {}
+        mean_voxel_(elementary::cbrt(std::abs(p.volume.step_mm.determinant()))) {}
   Vec3 pull(const Vec3& x, const Vec3& N, double t, double range, bool& seen) const override;
   double distance(const Vec3& x, const Vec3& way) const override;
   double nearest(const Vec3& x, double within) const override { return tree_.nearest(x, within).distance; }

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <vector>
 
+#include "sim/base/elementary.h"
 #include "sim/imaging/fit/fit_parts.h"
 
 namespace limberg::imaging {
@@ -90,7 +91,7 @@ bool VolumeSight::rim(const Vec3& x, const Vec3& along, const Vec3& N0, const Ve
     return Vec2(-c.dot(G), -N.dot(G));
   };
   const Vec2 n0 = normal(start);
-  angle[size_t(n)] = std::atan2(n0.y(), n0.x());
+  angle[size_t(n)] = elementary::atan2(n0.y(), n0.x());
   int first = n, last = n;
   for (const int way : {-1, 1}) {
     Vec3 p = start;
@@ -105,7 +106,7 @@ bool VolumeSight::rim(const Vec3& x, const Vec3& along, const Vec3& N0, const Ve
       const Vec2 b = normal(p);
       place[at] = p;
       const double before = angle[size_t(int(at) - way)];
-      angle[at] = before + std::remainder(std::atan2(b.y(), b.x()) - before, 2 * M_PI);
+      angle[at] = before + std::remainder(elementary::atan2(b.y(), b.x()) - before, 2 * M_PI);
       (way < 0 ? first : last) = int(at);
     }
   }

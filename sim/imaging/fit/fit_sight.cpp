@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/base/elementary.h"
 #include "sim/imaging/fit/fit_parts.h"
 
 namespace limberg::imaging {
@@ -184,7 +185,7 @@ Vec3 PointSight::onwards(const Vec3& x, const Vec3& N, const Vec3& out, const st
 bool PointSight::lost(const Vec3& x, bool seen) const {
   if (!seen) return true;
   const PointTree::Nearest n = tree_.nearest(x);
-  return n.distance > std::hypot(2 * spacing_, around_[size_t(n.index)]);
+  return n.distance > elementary::hypot(2 * spacing_, around_[size_t(n.index)]);
 }
 
 double PointSight::distance(const Vec3&, const Vec3& way) const { return way.norm(); }

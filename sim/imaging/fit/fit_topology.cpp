@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/base/elementary.h"
 #include "sim/geometry/bvh.h"
 #include "sim/imaging/fit/fit_parts.h"
 #include "sim/skull/simplex/contour.h"
@@ -138,7 +139,8 @@ void Topology::cut_necks(const std::vector<Neck>& neck, double edge_mm) {
     double shortest = 12 * kMeeting * edge_mm;  // as long as a tube may be around
     for (int k = 0; k < 8; ++k) {
       const double angle = k * 3.14159265358979 / 8;
-      const PlaneCurves curves = curves_of_plane(m_, c.middle_mm, std::cos(angle) * e1 + std::sin(angle) * e2);
+      const PlaneCurves curves =
+          curves_of_plane(m_, c.middle_mm, elementary::cos(angle) * e1 + elementary::sin(angle) * e2);
       for (const auto& curve : curves.curve) {
         double around = 0;
         bool air = true, close = false;

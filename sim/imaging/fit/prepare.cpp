@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/base/elementary.h"
 #include "sim/base/error.h"
 #include "sim/imaging/fit/grid_reach.h"
 #include "sim/imaging/fit/mouths.h"
@@ -178,7 +179,7 @@ Volume smoothed(const Volume& v, double sigma, Workers& workers) {
   std::vector<float> w(size_t(reach) + 1);
   float sum = 0;
   for (int i = 0; i <= reach; ++i)
-    w[size_t(i)] = float(std::exp(-0.5 * i * i / (sigma * sigma))), sum += (i ? 2 : 1) * w[size_t(i)];
+    w[size_t(i)] = float(elementary::exp(-0.5 * i * i / (sigma * sigma))), sum += (i ? 2 : 1) * w[size_t(i)];
   for (float& x : w) x /= sum;
   for (int axis = 0; axis < 3; ++axis)
     lines(v.size, axis, workers, [&](size_t first, size_t stride, size_t length) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "sim/base/error.h"
+#include "sim/base/whole_file.h"
 #include "sim/imaging/io/dicom_file.h"
 #include "sim/imaging/io/header.h"
 
@@ -33,8 +34,8 @@ std::vector<Series> gather(const std::string& folder) {
   std::sort(files.begin(), files.end());
   std::vector<Series> out;
   for (const std::string& f : files) {
-    if (fs::path(f).filename() == "DICOMDIR" || !looks_like_dicom(read_bytes(f, 132))) continue;
-    DicomFile d = parse_dicom(read_bytes(f, kDicomBytes), f);
+    if (fs::path(f).filename() == "DICOMDIR" || !looks_like_dicom(read_beginning(f, 132))) continue;
+    DicomFile d = parse_dicom(read_whole_file(f, kDicomBytes), f);
     if (!d.has_pixels) continue;  // structured reports, presentation states
     auto s = std::find_if(out.begin(), out.end(), [&](const Series& x) { return x.about.uid == d.series; });
     if (s == out.end()) {
@@ -88,7 +89,7 @@ std::vector<float> pixels(const DicomFile& d) {
                            "converter such as gdcmconv --raw makes them plain");
     data = all;
   } else {
-    all = read_bytes(d.file, kDicomBytes);
+    all = read_whole_file(d.file, kDicomBytes);
     data = std::string_view(all).substr(std::min(d.pixels_at, all.size()));
   }
   if (data.size() < bytes || (!d.compressed && d.pixel_bytes < bytes))
@@ -250,7 +251,7 @@ Volume load_dicom(const std::string& path, const std::string& asked) {
   std::error_code ec;
   const bool folder = fs::is_directory(path, ec);
   std::string wanted = asked;
-  if (!folder && wanted.empty()) wanted = parse_dicom(read_bytes(path, kDicomBytes), path).series;
+  if (!folder && wanted.empty()) wanted = parse_dicom(read_whole_file(path, kDicomBytes), path).series;
   const fs::path parent = fs::path(path).parent_path();
   std::vector<Series> all = gather(folder ? path : parent.empty() ? "." : parent.string());
   const auto list = [&] {

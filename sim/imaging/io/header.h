@@ -33,17 +33,22 @@ std::vector<double> numbers(std::string_view s, size_t count, const std::string&
 Header nrrd_header(std::string_view text, const std::string& file);
 Header meta_header(std::string_view text, const std::string& file);
 
-/// Inflates gzip or zlib data until `wanted` bytes are there; memory
-/// grows with what really comes out. InputError: damaged, cut short.
-std::string inflated(std::string_view in, size_t wanted, const std::string& file);
-/// The first `count` numbers of `data`, which holds as many; InputError: one is not finite.
-std::vector<float> as_floats(std::string_view data, Number number, bool big_endian, size_t count,
-                             const std::string& file);
+/// Numbers in a file: where they begin, how they are written, how many.
+struct NumberBlock {
+  size_t at = 0;          // bytes before them
+  bool at_end = false;    // the last ones of the file
+  bool packed = false;    // with gzip or zlib
+  size_t skip_plain = 0;  // bytes before them once unpacked
+  Number number = Number::u8;
+  bool big_endian = false;
+  size_t count = 0;
+};
+/// Reads and unpacks piece by piece: beside the numbers no memory to speak of is used, and none is asked for where the
+/// file cannot hold so many. InputError: cut short, damaged, a number that is not finite.
+std::vector<float> read_numbers(const std::string& file, const NumberBlock& block);
 /// InputError unless size and axes of a voxel are sensible (VolumeLimits); returns the number of voxels.
 int64_t check_extent(const std::array<int64_t, 3>& size, const Mat3& step_mm, const std::string& file);
 
-/// Whole file, or its first `most` bytes. Throws InputError.
-std::string read_bytes(const std::string& path, size_t most);
 /// Checks sizes and steps and reads the numbers. `file`: of the header.
 Volume read_data(const Header& header, const std::string& file);
 

@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "sim/base/error.h"
+#include "sim/base/whole_file.h"
 #include "sim/imaging/io/header.h"
 
 namespace limberg::imaging {
@@ -82,7 +83,7 @@ bool looks_like_nifti(std::string_view head) {
 }
 
 Volume load_nifti(const std::string& path) {
-  const std::string start = read_bytes(path, VolumeLimits::header_bytes);
+  const std::string start = read_beginning(path, VolumeLimits::header_bytes, "a volume");
   const bool packed = is_gzip(start);
   const std::string head = packed ? beginning(start, kHeader) : start.substr(0, kHeader);
   bool swap = false;
@@ -161,7 +162,7 @@ Volume load_nifti(const std::string& path) {
   Volume v;
   const Vec3 turn(-unit, -unit, unit);
   v.step_mm = turn.asDiagonal() * step, v.origin_mm = turn.cwiseProduct(origin);
-  const size_t voxels = size_t(check_extent(size, v.step_mm, path)), bytes = voxels * bytes_of(number);
+  const auto voxels = size_t(check_extent(size, v.step_mm, path));
   for (size_t k = 0; k < 3; ++k) v.size[k] = int32_t(size[k]);
   const float offset = f.at<float>(108);
   const bool pair = head[345] == 'i';
@@ -174,14 +175,12 @@ Volume load_nifti(const std::string& path) {
                                         : std::filesystem::path(p).replace_extension(".img"))
                     .string();
   }
-  std::string raw = read_bytes(data_file, packed ? size_t(1) << 32 : size_t(offset) + bytes);
-  if (is_gzip(raw)) raw = inflated(raw, size_t(offset) + bytes, data_file);
-  if (raw.size() < size_t(offset) + bytes)
-    throw InputError(data_file, 0,
-                     "the data are cut short: " + std::to_string(raw.size()) + " bytes; " +
-                         std::to_string(size_t(offset) + bytes) + " were expected");
-  v.value = as_floats(std::string_view(raw).substr(size_t(offset)), number,
-                      swap == (std::endian::native == std::endian::little), voxels, data_file);
+  NumberBlock block;
+  block.packed = is_gzip(read_beginning(data_file, 3, "the data of a volume"));
+  (block.packed ? block.skip_plain : block.at) = size_t(offset);
+  block.number = number, block.count = voxels;
+  block.big_endian = swap == (std::endian::native == std::endian::little);
+  v.value = read_numbers(data_file, block);
   const float slope = f.at<float>(112), inter = f.at<float>(116);
   if (!std::isfinite(slope) || !std::isfinite(inter))
     throw InputError(path, 0, "the scale of the numbers is not finite");

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/base/elementary.h"
 #include "sim/base/error.h"
 #include "sim/geometry/bvh.h"
 #include "sim/skull/simplex/generators.h"
@@ -78,7 +79,7 @@ double side_of(const Spread& s, const Vec3& front) {
   if (std::abs(s.looks.dot(front)) > kLooking) return s.looks.dot(front);
   double r_mean = 0, side = 0;
   for (size_t i = 0; i < s.at.size(); ++i)
-    r_mean += s.much[i] * ((s.at[i] - s.mean).squaredNorm() - std::pow(front.dot(s.at[i] - s.mean), 2));
+    r_mean += s.much[i] * ((s.at[i] - s.mean).squaredNorm() - elementary::pow(front.dot(s.at[i] - s.mean), 2));
   for (size_t i = 0; i < s.at.size(); ++i) {
     const double h = front.dot(s.at[i] - s.mean);
     side += s.much[i] * h * (r_mean + h * h - (s.at[i] - s.mean).squaredNorm());
@@ -252,7 +253,8 @@ void sector(const Vec3& normal, Visit&& visit) {
   visit(normal);
   for (const double off : {M_PI / 6, M_PI / 3})
     for (int k = 0; k < 6; ++k)
-      visit(Vec3(std::cos(off) * normal + std::sin(off) * (std::cos(k * M_PI / 3) * u + std::sin(k * M_PI / 3) * w)));
+      visit(Vec3(elementary::cos(off) * normal +
+                 elementary::sin(off) * (elementary::cos(k * M_PI / 3) * u + elementary::sin(k * M_PI / 3) * w)));
 }
 
 }  // namespace
@@ -333,8 +335,8 @@ bool at_edge(const Vec3& x, const std::vector<Vec3>& around, Vec3& outward) {
   principal_axes(spread, a, b, n);
   std::vector<double> angle;
   for (const Vec3& p : around)
-    if (const double u = a.dot(p - x), w = b.dot(p - x); std::hypot(u, w) > 1e-9 * std::sqrt(spread.trace()))
-      angle.push_back(std::atan2(w, u));
+    if (const double u = a.dot(p - x), w = b.dot(p - x); elementary::hypot(u, w) > 1e-9 * std::sqrt(spread.trace()))
+      angle.push_back(elementary::atan2(w, u));
   if (angle.size() < 3) return false;
   std::sort(angle.begin(), angle.end());
   double widest = 0, middle = 0;
@@ -342,7 +344,7 @@ bool at_edge(const Vec3& x, const std::vector<Vec3>& around, Vec3& outward) {
     const double gap = i + 1 < angle.size() ? angle[i + 1] - angle[i] : angle[0] + 6.283185307 - angle[i];
     if (gap > widest) widest = gap, middle = angle[i] + 0.5 * gap;
   }
-  outward = std::cos(middle) * a + std::sin(middle) * b;
+  outward = elementary::cos(middle) * a + elementary::sin(middle) * b;
   return widest >= kGap;
 }
 

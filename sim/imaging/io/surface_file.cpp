@@ -8,6 +8,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/quoted.h"
+#include "sim/base/whole_file.h"
 #include "sim/geometry/io/obj_text.h"
 #include "sim/imaging/io/header.h"
 #include "sim/skull/simplex/dual.h"
@@ -320,9 +321,7 @@ bool is_surface_name(std::string_view path) {
 Surface parse_surface(std::string_view bytes, const std::string& name) { return Reader(bytes, name).run(); }
 
 Surface load_surface(const std::string& path) {
-  const std::string bytes = imaging::read_bytes(path, SurfaceFileLimits::file_bytes + 1);
-  if (bytes.size() > SurfaceFileLimits::file_bytes) throw InputError(path, 0, "is larger than 1 GB");
-  return parse_surface(bytes, path);
+  return parse_surface(read_whole_file(path, SurfaceFileLimits::file_bytes, "a surface or a scan"), path);
 }
 
 }  // namespace limberg

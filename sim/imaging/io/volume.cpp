@@ -5,13 +5,12 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <bit>
-#include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 
 #include "sim/base/error.h"
+#include "sim/base/whole_file.h"
 #include "sim/imaging/io/dicom.h"
 #include "sim/imaging/io/header.h"
 #include "sim/imaging/io/nifti.h"
@@ -19,98 +18,139 @@
 namespace limberg {
 namespace imaging {
 
-std::string inflated(std::string_view in, size_t wanted, const std::string& file) {
-  z_stream z{};
-  if (inflateInit2(&z, 15 + 32) != Z_OK) throw InputError(file, 0, "cannot be decompressed");
-  std::string out;
-  size_t fed = 0;
-  int r = Z_OK;
-  while (out.size() < wanted && r != Z_STREAM_END) {
-    if (z.avail_in == 0 && fed < in.size()) {
-      const size_t n = std::min<size_t>(in.size() - fed, size_t(1) << 30);
-      z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(in.data() + fed));
-      z.avail_in = uInt(n), fed += n;
-    }
-    const size_t had = out.size(), room = std::min<size_t>(wanted - had, size_t(4) << 20);
-    out.resize(had + room);
-    z.next_out = reinterpret_cast<Bytef*>(out.data() + had);
-    z.avail_out = uInt(room);
-    r = inflate(&z, Z_NO_FLUSH);
-    out.resize(had + room - z.avail_out);
-    if (r != Z_OK && r != Z_STREAM_END) break;  // (also Z_BUF_ERROR: nothing more to read)
-  }
-  inflateEnd(&z);
-  if (out.size() < wanted) {
-    const char* why = r == Z_DATA_ERROR ? "are damaged" : "are cut short";
-    throw InputError(file, 0,
-                     "the compressed data " + std::string(why) + ": " + std::to_string(out.size()) + " of " +
-                         std::to_string(wanted) + " bytes came out");
-  }
-  return out;
-}
-
 namespace {
 
+constexpr size_t kMostOfOneByte = 1032;  // what deflate can make of it: 258 bytes of a length code of two bits
+constexpr size_t kPart = size_t(1) << 20;
+
 template <class T>
-void convert(std::string_view in, bool swap, std::vector<float>& out) {
-  for (size_t i = 0; i < out.size(); ++i) {
+void convert(const char* in, size_t n, bool swap, std::vector<float>& out) {
+  for (size_t i = 0; i < n; ++i) {
     char b[sizeof(T)];
-    std::memcpy(b, in.data() + i * sizeof(T), sizeof(T));
+    std::memcpy(b, in + i * sizeof(T), sizeof(T));
     if (swap) std::reverse(b, b + sizeof(T));
     T v;
     std::memcpy(&v, b, sizeof(T));
-    out[i] = float(v);
+    out.push_back(float(v));
   }
+}
+
+/// Numbers out of bytes as these come, so that none of the bytes need be kept.
+class Numbers {
+ public:
+  Numbers(const NumberBlock& block) : b_(block), swap_(block.big_endian != (std::endian::native == std::endian::big)) {}
+  size_t wanted() const { return b_.skip_plain + b_.count * bytes_of(b_.number); }
+  size_t came() const { return came_; }
+  bool full() const { return came_ >= wanted(); }
+
+  void add(std::string_view bytes) {
+    bytes = bytes.substr(0, wanted() - came_);
+    const size_t before = came_ < b_.skip_plain ? std::min(b_.skip_plain - came_, bytes.size()) : 0;
+    came_ += bytes.size();
+    bytes.remove_prefix(before);
+    const size_t size = bytes_of(b_.number);
+    while (!part_.empty() && !bytes.empty()) {  // a number that lies across two parts
+      part_ += bytes.front(), bytes.remove_prefix(1);
+      if (part_.size() == size) convert_whole(part_.data(), 1), part_.clear();
+    }
+    convert_whole(bytes.data(), bytes.size() / size);
+    part_.append(bytes.substr(bytes.size() / size * size));
+  }
+  std::vector<float> take(const std::string& file) {
+    for (const float f : out_)
+      if (!std::isfinite(f)) throw InputError(file, 0, "a voxel holds no finite number");
+    return std::move(out_);
+  }
+
+ private:
+  void convert_whole(const char* in, size_t n) {
+    if (n == 0) return;
+    if (out_.empty()) out_.reserve(b_.count);
+    switch (b_.number) {
+      case Number::i8:
+        return convert<int8_t>(in, n, swap_, out_);
+      case Number::u8:
+        return convert<uint8_t>(in, n, swap_, out_);
+      case Number::i16:
+        return convert<int16_t>(in, n, swap_, out_);
+      case Number::u16:
+        return convert<uint16_t>(in, n, swap_, out_);
+      case Number::i32:
+        return convert<int32_t>(in, n, swap_, out_);
+      case Number::u32:
+        return convert<uint32_t>(in, n, swap_, out_);
+      case Number::f32:
+        return convert<float>(in, n, swap_, out_);
+      case Number::f64:
+        return convert<double>(in, n, swap_, out_);
+    }
+  }
+
+  NumberBlock b_;
+  bool swap_;
+  size_t came_ = 0;
+  std::string part_;
+  std::vector<float> out_;
+};
+
+void inflate_into(Numbers& numbers, OpenedFile& in, const std::string& file) {
+  z_stream z{};
+  if (inflateInit2(&z, 15 + 32) != Z_OK) throw InputError(file, 0, "cannot be decompressed");
+  std::string fed(kPart, '\0'), out(kPart, '\0');
+  int r = Z_OK;
+  while (!numbers.full() && r != Z_STREAM_END) {
+    if (z.avail_in == 0) {
+      z.next_in = reinterpret_cast<Bytef*>(fed.data());
+      z.avail_in = uInt(in.read(fed.data(), fed.size()));
+    }
+    z.next_out = reinterpret_cast<Bytef*>(out.data());
+    z.avail_out = uInt(out.size());
+    r = inflate(&z, Z_NO_FLUSH);
+    numbers.add(std::string_view(out).substr(0, out.size() - z.avail_out));
+    if (r != Z_OK && r != Z_STREAM_END) break;  // (also Z_BUF_ERROR: nothing more to read)
+  }
+  inflateEnd(&z);
+  if (numbers.full()) return;
+  throw InputError(file, 0,
+                   std::string("the compressed data ") + (r == Z_DATA_ERROR ? "are damaged" : "are cut short") + ": " +
+                       std::to_string(numbers.came()) + " of " + std::to_string(numbers.wanted()) + " bytes came out");
 }
 
 }  // namespace
 
-std::string read_bytes(const std::string& path, size_t most) {
-  std::error_code ec;
-  if (std::filesystem::is_directory(path, ec)) throw InputError(path, 0, "is a folder; expected a volume");
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw InputError(path, 0, std::string("cannot be opened (") + std::strerror(errno) + ")");
-  std::string text;
-  std::vector<char> part(1 << 20);
-  while (text.size() < most && (in.read(part.data(), std::streamsize(part.size())), in.gcount() > 0))
-    text.append(part.data(), std::min(size_t(in.gcount()), most - text.size()));
-  if (in.bad()) throw InputError(path, 0, "cannot be read to its end");
-  return text;
-}
-
-std::vector<float> as_floats(std::string_view data, Number number, bool big_endian, size_t count,
-                             const std::string& file) {
-  std::vector<float> out(count);
-  const bool swap = big_endian != (std::endian::native == std::endian::big);
-  switch (number) {
-    case Number::i8:
-      convert<int8_t>(data, swap, out);
-      break;
-    case Number::u8:
-      convert<uint8_t>(data, swap, out);
-      break;
-    case Number::i16:
-      convert<int16_t>(data, swap, out);
-      break;
-    case Number::u16:
-      convert<uint16_t>(data, swap, out);
-      break;
-    case Number::i32:
-      convert<int32_t>(data, swap, out);
-      break;
-    case Number::u32:
-      convert<uint32_t>(data, swap, out);
-      break;
-    case Number::f32:
-      convert<float>(data, swap, out);
-      break;
-    case Number::f64:
-      convert<double>(data, swap, out);
-      break;
+std::vector<float> read_numbers(const std::string& file, const NumberBlock& block) {
+  OpenedFile in(file, "the data of a volume");
+  Numbers numbers(block);
+  size_t at = block.at;
+  if (block.at_end && in.size() > at + numbers.wanted()) at = in.size() - numbers.wanted();
+  if (at > in.size()) throw InputError(file, 0, "there are fewer bytes than the header says to skip");
+  const size_t there = in.size() - at;
+  const auto cut_short = [&] {
+    return InputError(file, 0,
+                      "the data are cut short: " + std::to_string(there) + " bytes; " +
+                          std::to_string(numbers.wanted()) + " were expected");
+  };
+  if (!block.packed && there < numbers.wanted()) throw cut_short();  // before anything is asked for
+  if (block.packed && numbers.wanted() > kMostOfOneByte * there)
+    throw InputError(file, 0,
+                     "the compressed data are cut short: " + std::to_string(there) + " bytes cannot hold the " +
+                         std::to_string(numbers.wanted()) + " that were expected");
+  std::string part(kPart, '\0');
+  while (at > 0) {
+    const size_t n = in.read(part.data(), std::min(at, part.size()));
+    if (n == 0) throw cut_short();
+    at -= n;
   }
-  for (const float f : out)
-    if (!std::isfinite(f)) throw InputError(file, 0, "a voxel holds no finite number");
-  return out;
+  if (block.packed) {
+    inflate_into(numbers, in, file);
+  } else {
+    while (!numbers.full()) {
+      const size_t n = in.read(part.data(), part.size());
+      if (n == 0) throw cut_short();  // it shrinks while it is read
+      numbers.add(std::string_view(part).substr(0, n));
+    }
+  }
+  return numbers.take(file);
 }
 
 int64_t check_extent(const std::array<int64_t, 3>& size, const Mat3& step_mm, const std::string& file) {
@@ -136,32 +176,16 @@ int64_t check_extent(const std::array<int64_t, 3>& size, const Mat3& step_mm, co
 
 Volume read_data(const Header& h, const std::string& file) {
   const int64_t voxels = check_extent(h.size, h.step_mm, file);
-  const size_t bytes = size_t(voxels) * bytes_of(*h.number);
   const std::string path =
       h.data_file.empty() ? file : (std::filesystem::path(file).parent_path() / h.data_file).string();
-  // What a sound file can need: the data, what is skipped, and the header.
-  const size_t most = h.compressed ? size_t(1) << 32
-                                   : bytes + size_t(std::max<int64_t>(0, std::min<int64_t>(h.skip, int64_t(1) << 30))) +
-                                         VolumeLimits::header_bytes;
-  const std::string all = read_bytes(path, h.skip == -1 ? size_t(1) << 32 : most);
-  std::string_view data(all);
-  if (h.data_file.empty()) data.remove_prefix(std::min(h.data_at, data.size()));
-  if (h.skip == -1 && !h.compressed) {
-    if (data.size() > bytes) data.remove_prefix(data.size() - bytes);
-  } else if (h.skip > 0) {
-    if (uint64_t(h.skip) > data.size()) throw InputError(path, 0, "there are fewer bytes than the header says to skip");
-    data.remove_prefix(size_t(h.skip));
-  }
-  std::string plain;
-  if (h.compressed) plain = inflated(data, bytes, path), data = plain;
-  if (data.size() < bytes)
-    throw InputError(path, 0,
-                     "the data are cut short: " + std::to_string(data.size()) + " bytes; " + std::to_string(bytes) +
-                         " were expected");
+  NumberBlock block;
+  block.number = *h.number, block.big_endian = h.big_endian, block.packed = h.compressed, block.count = size_t(voxels);
+  block.at = (h.data_file.empty() ? h.data_at : 0) + size_t(std::max<int64_t>(0, h.skip));
+  block.at_end = h.skip == -1 && !h.compressed;
   Volume v;
   for (size_t k = 0; k < 3; ++k) v.size[k] = int32_t(h.size[k]);
   v.step_mm = h.step_mm, v.origin_mm = h.origin_mm;
-  v.value = as_floats(data, *h.number, h.big_endian, size_t(voxels), path);
+  v.value = read_numbers(path, block);
   return v;
 }
 
@@ -170,7 +194,7 @@ Volume read_data(const Header& h, const std::string& file) {
 Volume load_volume(const std::string& path, const std::string& series) {
   std::error_code ec;
   if (std::filesystem::is_directory(path, ec)) return imaging::load_dicom(path, series);
-  const std::string head = imaging::read_bytes(path, VolumeLimits::header_bytes);
+  const std::string head = read_beginning(path, VolumeLimits::header_bytes, "a volume");
   if (head.starts_with("NRRD000")) return imaging::read_data(imaging::nrrd_header(head, path), path);
   if (imaging::looks_like_nifti(head)) return imaging::load_nifti(path);
   if (imaging::looks_like_dicom(head)) return imaging::load_dicom(path, series);

@@ -41,7 +41,7 @@ class VolumeSampler {
 };
 
 struct VolumeLimits {
-  static constexpr int64_t voxels = int64_t(400) << 20;  // 1.6 GB in memory
+  static constexpr int64_t voxels = int64_t(256) << 20;  // 512 x 512 x 1024: 1.1 GB in memory
   static constexpr double min_step_mm = 1e-3, max_step_mm = 100;
   static constexpr size_t header_bytes = size_t(1) << 20;
 };

@@ -7,7 +7,9 @@
 #include <cmath>
 #include <cstring>
 
+#include "sim/base/elementary.h"
 #include "sim/base/error.h"
+#include "sim/geometry/rotation.h"
 #include "sim/imaging/fit/prepare.h"
 
 namespace limberg {
@@ -38,7 +40,7 @@ class Level {
         Workers& workers)
       : moved_(moved), sampler_(moved_), b_(b), bins_(bins), workers_(workers) {
     const VolumeSampler from(fixed);
-    const double n = double(fixed.value.size()), cell = std::max(1., std::cbrt(n / samples));
+    const double n = double(fixed.value.size()), cell = std::max(1., elementary::cbrt(n / samples));
     uint64_t seed = 1;
     for (double k = 0; k < fixed.size[2]; k += cell)
       for (double j = 0; j < fixed.size[1]; j += cell)
@@ -81,7 +83,7 @@ class Level {
     const auto entropy = [&](const double* h, size_t n) {
       double e = 0;
       for (size_t i = 0; i < n; ++i)
-        if (h[i] > 0) e -= h[i] / all * std::log(h[i] / all);
+        if (h[i] > 0) e -= h[i] / all * elementary::log(h[i] / all);
       return e;
     };
     const double both = entropy(joint.data(), cells);
@@ -101,9 +103,7 @@ class Level {
 /// Turn by angles (rad) about the axes one after the other around c, then shift.
 Similarity motion(const double* u, const Vec3& c) {
   Similarity s;
-  s.R = (Eigen::AngleAxisd(u[5], Vec3::UnitZ()) * Eigen::AngleAxisd(u[4], Vec3::UnitY()) *
-         Eigen::AngleAxisd(u[3], Vec3::UnitX()))
-            .toRotationMatrix();
+  s.R = rotation(u[5], Vec3::UnitZ()) * rotation(u[4], Vec3::UnitY()) * rotation(u[3], Vec3::UnitX());
   s.t_mm = c - s.R * c + Vec3(u[0], u[1], u[2]);
   return s;
 }

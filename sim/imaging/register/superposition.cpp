@@ -8,7 +8,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/base/elementary.h"
 #include "sim/base/error.h"
+#include "sim/geometry/rotation.h"
 
 namespace limberg {
 namespace {
@@ -43,13 +45,13 @@ Spreads spreads_of(const std::vector<Vec3>& x, const Vec3& middle) {
 
 Mat3 rotation_of(const Vec3& w) {
   const double a = w.norm();
-  return a > 1e-12 ? Mat3(Eigen::AngleAxisd(a, w / a)) : Mat3::Identity();
+  return a > 1e-12 ? rotation(a, w / a) : Mat3::Identity();
 }
 
 }  // namespace
 
 double Similarity::angle_deg() const {
-  return std::acos(std::clamp(0.5 * ((R.determinant() < 0 ? -R : R).trace() - 1), -1., 1.)) * 180 /
+  return elementary::acos(std::clamp(0.5 * ((R.determinant() < 0 ? -R : R).trace() - 1), -1., 1.)) * 180 /
          3.14159265358979323846;
 }
 
@@ -79,7 +81,7 @@ LandmarkFit fit_landmarks(const std::vector<Vec3>& from, const std::vector<Vec3>
     return Eigen::Map<const Eigen::Matrix3Xd>(x[0].data(), 3, Eigen::Index(x.size()));
   };
   const Mat3 scaled = Eigen::umeyama(columns(from), columns(to), with_scale).topLeftCorner<3, 3>();
-  if (with_scale) out.map.scale = std::cbrt(scaled.determinant());
+  if (with_scale) out.map.scale = elementary::cbrt(scaled.determinant());
   out.map.R = scaled / out.map.scale;
   out.map.t_mm = b - out.map.scale * (out.map.R * a);
   for (size_t i = 0; i < from.size(); ++i) {
@@ -130,7 +132,7 @@ SurfaceTarget::SurfaceTarget(const Surface& s)
     for (size_t k = 0; k < 3; ++k) {
       const Vec3 p = (s.x_mm[size_t(t[(k + 1) % 3])] - s.x_mm[size_t(t[k])]).normalized(),
                  q = (s.x_mm[size_t(t[(k + 2) % 3])] - s.x_mm[size_t(t[k])]).normalized();
-      if (l > 0) normal_[size_t(t[k])] += std::acos(std::clamp(p.dot(q), -1., 1.)) * u;
+      if (l > 0) normal_[size_t(t[k])] += elementary::acos(std::clamp(p.dot(q), -1., 1.)) * u;
       edge.emplace_back(std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3]));
     }
   }

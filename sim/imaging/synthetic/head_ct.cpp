@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/base/elementary.h"
 #include "sim/base/error.h"
 #include "sim/imaging/synthetic/synthetic_head.h"
 
@@ -38,14 +39,14 @@ double normal(uint64_t i, uint64_t seed) {
   };
   const uint64_t a = mix(2 * i + seed * 0x9e3779b97f4a7c15ull), b = mix(a + 0x9e3779b97f4a7c15ull);
   const double u = (double(a >> 11) + 0.5) / 9007199254740992., w = double(b >> 11) / 9007199254740992.;
-  return std::sqrt(-2 * std::log(u)) * std::cos(2 * M_PI * w);
+  return std::sqrt(-2 * elementary::log(u)) * elementary::cos(2 * M_PI * w);
 }
 
 void blur(Volume& v, double sigma_voxels, Workers& workers) {
   const int r = int(std::ceil(3 * sigma_voxels));
   std::vector<double> w(size_t(2 * r + 1));
   double sum = 0;
-  for (int i = -r; i <= r; ++i) sum += w[size_t(i + r)] = std::exp(-0.5 * i * i / (sigma_voxels * sigma_voxels));
+  for (int i = -r; i <= r; ++i) sum += w[size_t(i + r)] = elementary::exp(-0.5 * i * i / (sigma_voxels * sigma_voxels));
   for (double& x : w) x /= sum;
   const size_t stride[3] = {1, size_t(v.size[0]), size_t(v.size[0]) * size_t(v.size[1])};
   for (size_t axis = 0; axis < 3; ++axis) {

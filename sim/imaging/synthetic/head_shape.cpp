@@ -5,6 +5,7 @@
 #include <iterator>
 #include <string>
 
+#include "sim/base/elementary.h"
 #include "sim/base/error.h"
 
 namespace limberg {
@@ -43,7 +44,7 @@ const Ellipsoid kEye({31, 76, 14}, {12.5, 12.5, 12.5}), kMaxillarySinus({23, 66,
 /// The orbit's mouth: an ellipsoid that looks 22 degrees outwards.
 double orbit_mouth(const Vec3& q) {
   static const Ellipsoid e({0, 0, 0}, {19, 21, 15.5});
-  static const double c = std::cos(22 * M_PI / 180), s = std::sin(22 * M_PI / 180);
+  static const double c = elementary::cos(22 * M_PI / 180), s = elementary::sin(22 * M_PI / 180);
   const Vec3 d = q - Vec3(31, 82, 14.5);
   return e({c * d.x() - s * d.y(), s * d.x() + c * d.y(), d.z()});
 }
@@ -203,7 +204,7 @@ double HeadShape::skin(const Vec3& p) const {
   double d = smin(solid(q), mandible(p), 8);
   d = smin(smin(smin(d, kInMouth(q), 10), kThroat(q), 10), kFloor(q), 10);
   double thick = 5.5;
-  for (const Bump& b : bump_) thick += b.mm * std::exp(-(p - b.c).squaredNorm() * b.over_2s2);
+  for (const Bump& b : bump_) thick += b.mm * elementary::exp(-(p - b.c).squaredNorm() * b.over_2s2);
   d -= thick;
   d = smin(smin(d, kCheek(q), 12), kMasseter(q), 12);
   d = smin(smin(d, kTemple(q), 12), kNeck(q), 12);

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <queue>
 
+#include "sim/base/elementary.h"
+
 namespace limberg::bone {
 namespace {
 
@@ -40,10 +42,11 @@ std::vector<double> ways_from(const simplex::Mesh& m, const BoneSurface& bone, c
 /// Evenly over the cap about z (Fibonacci's spiral), the first one along it.
 std::vector<Vec3> cap() {
   std::vector<Vec3> out;
-  const double low = std::cos(kCone_deg * std::numbers::pi / 180), golden = std::numbers::pi * (3 - std::sqrt(5.));
+  const double low = elementary::cos(kCone_deg * std::numbers::pi / 180),
+               golden = std::numbers::pi * (3 - std::sqrt(5.));
   for (int k = 0; k < kDirections; ++k) {
     const double z = 1 - (1 - low) * k / (kDirections - 1), r = std::sqrt(std::max(0., 1 - z * z));
-    out.emplace_back(r * std::cos(golden * k), r * std::sin(golden * k), z);
+    out.emplace_back(r * elementary::cos(golden * k), r * elementary::sin(golden * k), z);
   }
   return out;
 }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/geometry/rotation.h"
 #include "sim/skull/bone/bones.h"
 #include "sim/skull/bone/gaps.h"
 #include "sim/skull/bone/held.h"
@@ -101,7 +102,7 @@ ActedOnBone Bones::release(int32_t id, bool snap) {
       if (std::find(group.begin(), group.end(), index(g.id)) != group.end() || !(seam_mm2(shape(id), shape(g.id)) > 0))
         continue;
       const double far = (g.pose * f.centre_mm - f.pose * f.centre_mm).norm();
-      const double deg = Eigen::AngleAxisd(Mat3(g.pose.linear() * f.pose.linear().transpose())).angle() * 180 / M_PI;
+      const double deg = axis_angle(g.pose.linear() * f.pose.linear().transpose()).angle * 180 / M_PI;
       if (far < nearest) nearest = far, nearest_deg = deg, beside = &g;
       if (far <= least && deg <= kSnap_deg) least = far, to = g.pose, into = &g;
     }

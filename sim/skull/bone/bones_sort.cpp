@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "sim/base/union_find.h"
+#include "sim/geometry/rotation.h"
 #include "sim/skull/bone/bones.h"
 #include "sim/skull/bone/sorting.h"
 #include "sim/skull/bone/words.h"
@@ -18,8 +19,7 @@ struct Apart {
 };
 
 Apart apart(const Eigen::Isometry3d& was, const Eigen::Isometry3d& is, const Vec3& at_mm) {
-  return {(is * at_mm - was * at_mm).norm(),
-          Eigen::AngleAxisd(Mat3(is.linear() * was.linear().transpose())).angle() * 180 / M_PI};
+  return {(is * at_mm - was * at_mm).norm(), axis_angle(is.linear() * was.linear().transpose()).angle * 180 / M_PI};
 }
 
 bool has(const Match& m, size_t piece) { return size_t(m.a) == piece || size_t(m.b) == piece; }

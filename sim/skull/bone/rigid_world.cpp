@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/base/elementary.h"
+
 namespace limberg::bone {
 namespace {
 
@@ -116,7 +118,7 @@ void RigidWorld::step(double dt) {
     if (q.w() < 0) q = -q;
     const btVector3 axis(q.x(), q.y(), q.z());
     const btScalar s = axis.length();
-    return s > btScalar(1e-7) ? axis * (2 * std::atan2(s, q.w()) / s) : btVector3(0, 0, 0);
+    return s > btScalar(1e-7) ? axis * (2 * elementary::atan2(s, q.w()) / s) : btVector3(0, 0, 0);
   };
   const btVector3 way = target.getOrigin() - body.getWorldTransform().getOrigin();
   const double path = double(way.length()) / kCm + double(turn().length()) * w.radius_mm;

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "sim/base/elementary.h"
+
 namespace limberg::bone {
 namespace {
 
@@ -91,8 +93,8 @@ std::vector<RingWay> ring_ways(const Ring& p, const Ring& q, const Vec3& about, 
   std::vector<RingWay> all, out;
   if (p.length_mm() < 2.2 * kHalf_mm || q.length_mm() < 2.2 * kHalf_mm) return out;
   const std::vector<Run> on_p = runs(p, false), on_q = runs(q, true);
-  const double noise = std::hypot(p.noise_mm, q.noise_mm), chord = kChord_mm + 4 * noise, run = kRun_mm + 3 * noise,
-               near = kNear_mm + 3 * noise;
+  const double noise = elementary::hypot(p.noise_mm, q.noise_mm), chord = kChord_mm + 4 * noise,
+               run = kRun_mm + 3 * noise, near = kNear_mm + 3 * noise;
   Isometry3d T;
   for (size_t i = 0; i < on_p.size(); i += 2) {
     // Several for each place: where a ring fits at every angle, all but the best would go unseen.

@@ -10,6 +10,7 @@
 // parts of rings are enough.
 #include <vector>
 
+#include "sim/geometry/rotation.h"
 #include "sim/skull/bone/rings.h"
 
 namespace limberg::bone {
@@ -20,7 +21,7 @@ struct RingWay {
 };
 
 /// By how many degrees a placement turns.
-inline double degrees(const Eigen::Isometry3d& T) { return Eigen::AngleAxisd(Mat3(T.linear())).angle() * kDeg; }
+inline double degrees(const Eigen::Isometry3d& T) { return axis_angle(T.linear()).angle * kDeg; }
 
 /// The best ways for every second place of p, best first; at most `most`, all different by more than 4 mm or 8 degrees
 /// at `about` (a place near q).

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/base/elementary.h"
+#include "sim/geometry/rotation.h"
 #include "sim/skull/bone/bones.h"
 #include "sim/skull/bone/ring_ways.h"
 #include "sim/skull/bone/shape.h"
@@ -68,7 +70,7 @@ Isometry3d towards_lines(const std::vector<Vec3>& from, const std::vector<Vec3>&
   const Vec3 w = d.head<3>();
   const double angle = std::min(w.norm(), 0.3);
   Isometry3d T = Isometry3d::Identity();
-  if (angle > 0) T.linear() = Eigen::AngleAxisd(angle, w.normalized()).toRotationMatrix();
+  if (angle > 0) T.linear() = rotation(angle, w.normalized());
   T.translation() = about + d.tail<3>() - T.linear() * about;
   return T;
 }
@@ -76,7 +78,7 @@ Isometry3d towards_lines(const std::vector<Vec3>& from, const std::vector<Vec3>&
 /// What noise of both alone would leave as the distance of a
 /// corner from a line, which is the mean of two corners or nearly.
 double explained(const SortedPiece& a, const SortedPiece& b) {
-  return std::sqrt(2.) * std::hypot(b.noise_mm, 0.82 * a.noise_mm);
+  return std::sqrt(2.) * elementary::hypot(b.noise_mm, 0.82 * a.noise_mm);
 }
 double together_mm(const SortedPiece& a, const SortedPiece& b) { return kTogether_mm + 2.5 * explained(a, b); }
 

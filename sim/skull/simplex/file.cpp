@@ -1,12 +1,8 @@
 #include "sim/skull/simplex/file.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 
 #include "sim/base/error.h"
 #include "sim/base/quoted.h"
@@ -237,19 +233,7 @@ Mesh parse_mesh(std::string_view text, const std::string& name) { return Parser(
 void save_mesh(const Mesh& m, const std::string& path) { write_whole_file(path, to_text(m)); }
 
 Mesh load_mesh(const std::string& path) {
-  std::error_code ec;
-  if (std::filesystem::is_directory(path, ec)) throw InputError(path, 0, "is a folder; expected a simplex mesh");
-  std::ifstream in(path, std::ios::binary);
-  if (!in)
-    throw InputError(path, 0, std::string("cannot be opened (") + std::strerror(errno) + "); expected a simplex mesh");
-  std::string text;
-  std::vector<char> part(1 << 20);
-  while (in.read(part.data(), std::streamsize(part.size())), in.gcount() > 0) {
-    text.append(part.data(), size_t(in.gcount()));
-    if (text.size() > FileLimits::file_bytes) break;  // parse_mesh says so
-  }
-  if (in.bad()) throw InputError(path, 0, "cannot be read to its end");
-  return parse_mesh(text, path);
+  return parse_mesh(read_whole_file(path, FileLimits::file_bytes, "a simplex mesh"), path);
 }
 
 std::string to_obj(const Mesh& m) {

@@ -5,6 +5,7 @@
 #include <map>
 #include <numbers>
 
+#include "sim/base/elementary.h"
 #include "sim/base/error.h"
 #include "sim/skull/simplex/dual.h"
 
@@ -136,7 +137,7 @@ Mesh make_sphere_of_faces(const Vec3& centre, double radius, int faces) {
   const double turn = kPi * (3 - std::sqrt(5.));  // golden angle
   for (int i = 0; i < faces; ++i) {
     const double z = 1 - (2 * i + 1.) / faces, rho = std::sqrt(1 - z * z);
-    X.push_back({rho * std::cos(turn * i), rho * std::sin(turn * i), z});
+    X.push_back({rho * elementary::cos(turn * i), rho * elementary::sin(turn * i), z});
   }
   return projected(hull(X), centre, radius);
 }
@@ -150,8 +151,8 @@ Mesh make_torus(double R, double r, int around, int across) {
   // Rows go around (j, shifted every other row); within a row the points go across (i).
   const auto place = [&](double i, double j) {
     const double a = 2 * kPi * i / across, b = 2 * kPi * j / around;
-    const double rho = R + r * std::cos(a);
-    return Vec3(rho * std::cos(b), rho * std::sin(b), r * std::sin(a));
+    const double rho = R + r * elementary::cos(a);
+    return Vec3(rho * elementary::cos(b), rho * elementary::sin(b), r * elementary::sin(a));
   };
   std::vector<Vec3> X;
   for (int j = 0; j < around; ++j)
@@ -160,9 +161,10 @@ Mesh make_torus(double R, double r, int around, int across) {
   for (Tri& t : tri) std::swap(t[1], t[2]);  // across x around points inwards
   Mesh m = from_triangles(X, tri, DualPlacement::centroid);
   for (Vec3& x : m.x_mm) {
-    const double b = std::atan2(x.y(), x.x()), rho = std::hypot(x.x(), x.y()) - R, h = std::hypot(rho, x.z());
+    const double b = elementary::atan2(x.y(), x.x()), rho = elementary::hypot(x.x(), x.y()) - R,
+                 h = elementary::hypot(rho, x.z());
     const double q = R + r * rho / h;
-    x = {q * std::cos(b), q * std::sin(b), r * x.z() / h};
+    x = {q * elementary::cos(b), q * elementary::sin(b), r * x.z() / h};
   }
   m.before_mm = m.x_mm;
   record_shape(m);
@@ -180,7 +182,7 @@ Mesh make_cylinder(double R, double length, int around) {
   for (int j = 0; j <= rows; ++j)
     for (int i = 0; i < around; ++i) {
       const double a = 2 * kPi * (i + 0.5 * (j % 2)) / around;
-      X.push_back({R * std::cos(a), R * std::sin(a), length * j / rows});
+      X.push_back({R * elementary::cos(a), R * elementary::sin(a), length * j / rows});
     }
   Mesh m = from_triangles(X, strip_triangles(around, rows + 1, true, false), DualPlacement::centroid);
   for (Vec3& x : m.x_mm) x.head<2>() *= R / x.head<2>().norm();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/base/elementary.h"
 #include "sim/base/error.h"
 #include "sim/skull/simplex/contour.h"
 
@@ -44,8 +45,8 @@ void Motion::prepare(const Mesh& m) {
       const VertexShape& s = m.shape[v];
       shape_of_[v] = {s.e1,
                       s.e2,
-                      std::sin(s.phi),
-                      std::cos(s.phi),
+                      elementary::sin(s.phi),
+                      elementary::cos(s.phi),
                       s.height,
                       s.branch == ShapeBranch::near  ? 1.
                       : s.branch == ShapeBranch::far ? -1.

@@ -3,7 +3,9 @@
 #include <cmath>
 #include <cstring>
 
+#include "sim/base/elementary.h"
 #include "sim/base/error.h"
+#include "sim/geometry/rotation.h"
 #include "sim/skull/simplex/tissue.h"
 
 namespace limberg::simplex {
@@ -85,7 +87,7 @@ Mat3 nearest_rotation(const Mat3& A, Mat3 R) {
       // Half the vector as a quaternion: the angle to the third order.
       return Eigen::Quaterniond(1, w.x() / 2, w.y() / 2, w.z() / 2).normalized().toRotationMatrix() * R;
     }
-    R = Eigen::AngleAxisd(angle, w / angle) * R;
+    R = (rotation(angle, w / angle) * R).eval();
   }
   return R;
 }
@@ -103,7 +105,7 @@ double SpringLaw::force_over_k0(double l, double l0) const {
     case Stiffening::quadratic:
       return (1 + c * e * e) * (l - l0);
     case Stiffening::exponential:
-      return l0 / c * std::expm1(std::min(c * e, 30.));  // (beyond that the bound has long stopped it)
+      return l0 / c * elementary::expm1(std::min(c * e, 30.));  // (beyond that the bound has long stopped it)
   }
   return 0;
 }
@@ -119,7 +121,7 @@ double SpringLaw::tangent_over_k0(double l, double l0) const {
     case Stiffening::quadratic:
       return 1 + 3 * c * e * e;
     case Stiffening::exponential:
-      return std::max(1., std::exp(std::min(c * e, 30.)));
+      return std::max(1., elementary::exp(std::min(c * e, 30.)));
   }
   return 1;
 }

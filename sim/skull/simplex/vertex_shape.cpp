@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "sim/base/elementary.h"
+
 namespace limberg::simplex {
 namespace {
 
@@ -32,7 +34,7 @@ double k_of(const Plane& p, double e1, double e2) {
 
 double height_of(const VertexShape& s, const Plane& p) {
   if (s.branch == ShapeBranch::height) return s.height * std::sqrt(p.area2);
-  return height_from_angle(p.r, k_of(p, s.e1, s.e2), std::sin(s.phi), std::cos(s.phi), s.branch);
+  return height_from_angle(p.r, k_of(p, s.e1, s.e2), elementary::sin(s.phi), elementary::cos(s.phi), s.branch);
 }
 
 }  // namespace
@@ -59,7 +61,7 @@ LocalFrame local_frame(const Vec3& P, const Vec3& A, const Vec3& B, const Vec3& 
   f.e[2] = b.cross(foot).dot(q.N) / q.area2;
   f.e[0] = 1 - f.e[1] - f.e[2];
   f.k_mm2 = k_of(q, f.e[0], f.e[1]);
-  const double y = 2 * f.r_mm * f.L_mm, x = f.k_mm2 - f.L_mm * f.L_mm, h = std::hypot(x, y);
+  const double y = 2 * f.r_mm * f.L_mm, x = f.k_mm2 - f.L_mm * f.L_mm, h = elementary::hypot(x, y);
   if (h > 0) f.sin_phi = y / h, f.cos_phi = x / h;  // (h = 0: P is on the circumcircle, the angle is free)
   return f;
 }

@@ -20,6 +20,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "sim/base/elementary.h"
 #include "sim/geometry/vec.h"
 
 namespace limberg::simplex {
@@ -35,12 +36,12 @@ struct LocalFrame {
   double sin_phi = 0, cos_phi = 1;
   bool degenerate = false;  // A, B, C (nearly) on a line: no plane, no angle; e is 1/3 each and L is 0
 
-  double phi() const { return std::atan2(sin_phi, cos_phi); }
+  double phi() const { return elementary::atan2(sin_phi, cos_phi); }
   /// Where the foot is outside the circumcircle and P near the
   /// plane: the branch on which phi is pi when P is in the plane.
   bool far_branch() const { return k_mm2 < 0 && L_mm * L_mm < -k_mm2; }
   /// How far the surface is bent: phi, and pi - phi on the far branch, so that it is 0 wherever P is in the plane.
-  double bend() const { return std::atan2(sin_phi, far_branch() ? -cos_phi : cos_phi); }
+  double bend() const { return elementary::atan2(sin_phi, far_branch() ? -cos_phi : cos_phi); }
   double mean_curvature_per_mm() const { return degenerate ? 0 : sin_phi / r_mm; }
 };
 

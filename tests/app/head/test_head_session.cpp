@@ -2,6 +2,7 @@
 // carries, once with one worker and once with two; scenes
 // with and without [head]; skin over bone.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -16,6 +17,7 @@
 #include "devices/head_surgeon.h"
 #include "devices/surface_index.h"
 #include "sim/base/error.h"
+#include "sim/base/whole_file.h"
 #include "sim/patient/soft_tissue.h"
 #include "sim/skull/simplex/file.h"
 #include "sim/skull/simplex/generators.h"
@@ -357,32 +359,84 @@ TEST(HeadSession, AScenesSkinAloneBuildsNoHead) {
   EXPECT_NE(o.reason.find("no bone here"), std::string::npos);
 }
 
-TEST(HeadCache, WhatIsReadIsWhatWasMade) {
-  const std::filesystem::path folder =
-      std::filesystem::temp_directory_path() / ("limberg-cache-" + std::to_string(getpid()));
-  setenv("LIMBERG_CACHE", folder.c_str(), 1);
-  HeadSpec coarse;
-  coarse.edge_mm = 8, coarse.face_edge_mm = 9, coarse.vault_wide = 1.02;
-  InlineWorkers w;
-  const HeadModel made = cached_head(coarse, w);
-  const bool kept = std::filesystem::exists(folder);
-  const HeadModel read = cached_head(coarse, w);
-  for (const auto& [a, b] : {std::pair(&made.cranium, &read.cranium), std::pair(&made.mandible, &read.mandible),
-                             std::pair(&made.face, &read.face)}) {
-    EXPECT_EQ(simplex::hash(*a), simplex::hash(*b));
-    EXPECT_EQ(a->face_edge, b->face_edge);  // numbers of faces too: tissue is built by them
+class HeadCache : public ::testing::Test {
+ protected:
+  HeadCache() {
+    std::string name = (std::filesystem::temp_directory_path() / "limberg-cache-XXXXXX").string();
+    folder_ = mkdtemp(name.data());
+    spec_.edge_mm = 8, spec_.face_edge_mm = 9, spec_.vault_wide = 1.02;
   }
-  ASSERT_EQ(made.landmarks.size(), read.landmarks.size());
-  for (size_t i = 0; i < made.landmarks.size(); ++i)
-    EXPECT_TRUE(made.landmarks[i] == read.landmarks[i]) << made.landmarks[i].first;
-  if (kept) {  // a damaged one is made anew
-    for (const auto& f : std::filesystem::recursive_directory_iterator(folder))
-      if (f.path().filename() == "mandible.simplex") std::filesystem::resize_file(f.path(), 1000);
-    EXPECT_EQ(simplex::hash(cached_head(coarse, w).mandible), simplex::hash(made.mandible));
+  ~HeadCache() override { std::filesystem::remove_all(folder_); }
+  HeadModel head() { return cached_head(spec_, workers_, folder_.string()); }
+  std::filesystem::path file(const std::string& name) const {
+    for (const auto& f : std::filesystem::recursive_directory_iterator(folder_))
+      if (f.path().filename() == name) return f.path();
+    return {};
   }
-  unsetenv("LIMBERG_CACHE");
-  std::filesystem::remove_all(folder);
-  if (!kept) GTEST_SKIP() << "this program differs from its commit: it keeps no heads";
+  static std::string text(const std::filesystem::path& file) { return read_whole_file(file.string()); }
+  static void expect_same(const HeadModel& a, const HeadModel& b) {
+    for (const auto& [p, q] :
+         {std::pair(&a.cranium, &b.cranium), std::pair(&a.mandible, &b.mandible), std::pair(&a.face, &b.face)}) {
+      EXPECT_EQ(simplex::hash(*p), simplex::hash(*q));
+      EXPECT_EQ(p->face_edge, q->face_edge);  // numbers of faces too: tissue is built by them
+    }
+    ASSERT_EQ(a.landmarks.size(), b.landmarks.size());
+    for (size_t i = 0; i < a.landmarks.size(); ++i)
+      EXPECT_TRUE(a.landmarks[i] == b.landmarks[i]) << a.landmarks[i].first;
+  }
+
+  HeadSpec spec_;
+  InlineWorkers workers_;
+  std::filesystem::path folder_;
+};
+
+TEST_F(HeadCache, WhatIsReadIsWhatWasMade) {
+  const HeadModel made = head();
+  const std::filesystem::path landmarks = file("landmarks.txt");
+  ASSERT_FALSE(landmarks.empty());
+  const auto written = std::filesystem::last_write_time(landmarks);
+  expect_same(made, head());
+  EXPECT_EQ(std::filesystem::last_write_time(landmarks), written) << "it was made a second time";
+  struct stat st {};
+  ASSERT_EQ(stat(landmarks.parent_path().c_str(), &st), 0);
+  EXPECT_EQ(st.st_mode & 0777, 0700u);
+}
+
+TEST_F(HeadCache, WhatWasDamagedOrChangedIsMadeAnew) {
+  const HeadModel made = head();
+  const std::string sound = text(file("landmarks.txt"));
+  const size_t nasion = sound.find(' ', sound.find('\n') + 20);
+  for (const auto& [name, size] : {std::pair{"mandible.simplex", 1000}, {"landmarks.txt", 0}, {"landmarks.txt", 200}}) {
+    std::filesystem::resize_file(file(name), uintmax_t(size));
+    expect_same(made, head());
+    EXPECT_EQ(text(file("landmarks.txt")), sound) << name;
+  }
+  std::string moved = sound;
+  moved.replace(nasion, 2, " 9");  // whole, and elsewhere
+  write_whole_file(file("landmarks.txt").string(), moved);
+  expect_same(made, head());
+  EXPECT_EQ(text(file("landmarks.txt")), sound);
+}
+
+TEST_F(HeadCache, WhatOthersCouldHavePutThereIsNotBelieved) {
+  const HeadModel made = head();
+  const std::filesystem::path place = file("landmarks.txt").parent_path();
+  const auto written = [&] { return std::filesystem::last_write_time(file("landmarks.txt")); };
+  auto before = written();
+  std::filesystem::permissions(place, std::filesystem::perms::others_write, std::filesystem::perm_options::add);
+  expect_same(made, head());
+  EXPECT_NE(written(), before) << "a head that others can write was believed";
+  before = written();
+  const std::filesystem::path aside = folder_.string() + "-aside";
+  std::filesystem::rename(place, aside);
+  std::filesystem::create_directory_symlink(aside, place);
+  expect_same(made, head());
+  EXPECT_FALSE(std::filesystem::is_symlink(place)) << "a link was followed";
+  std::filesystem::remove_all(aside);
+  before = written();
+  std::filesystem::permissions(folder_, std::filesystem::perms::others_write, std::filesystem::perm_options::add);
+  expect_same(made, head());
+  EXPECT_EQ(written(), before) << "a head was kept where others can write";
 }
 
 }  // namespace test_head_session

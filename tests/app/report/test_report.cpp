@@ -76,7 +76,7 @@ TEST_F(Report, HoldsTheFigures) {
   write_png(dir / "tension.png", Image(8, 6, {10, 50, 140}));
   const std::string h = make(kFull);
   for (const char* text : {"Rhomboid",
-                           "Closed with 3 sutures",
+                           "Sewn with 3 sutures",
                            "7.25\u202fN",
                            "2.75\u202fN",
                            "0.12\u202fmm",
@@ -161,8 +161,32 @@ TEST_F(Report, LightsFollowTheLimits) {
   EXPECT_NE(make(with_force(1, 0.1)).find("<div class=\"verdict good\">"), std::string::npos);
   EXPECT_NE(make(with_force(3, 0.1)).find("<div class=\"verdict warn\">"), std::string::npos);
   EXPECT_NE(make(with_force(6, 0.1)).find("<div class=\"verdict bad\">"), std::string::npos);
-  EXPECT_NE(make(with_force(1, 0.3)).find("Not fully closed"), std::string::npos);
+  EXPECT_NE(make(with_force(1, 0.3)).find("<div class=\"verdict warn\">"), std::string::npos);
   EXPECT_NE(make(R"({"ok":false,"residual":0.01})").find("did not reach its goal"), std::string::npos);
+}
+
+TEST_F(Report, BeginsWithWhatIsWrong) {
+  const std::string sewn = R"("metrics":{"sutures":[{"id":1,"force_N":1,"gap_mm":0.02}],"suture_gap_max_mm":0.02})";
+  const std::string html = make(
+      R"({"ok":false,"verdict":[
+    {"what":"wound gape, widest","value":11,"unit":"mm","limit":2,"place":"(3.1, -4.0) mm","light":"bad","source":"Hollander"},
+    {"what":"stitches that hold nothing: slack","value":1,"unit":"","limit":0,"place":"stitch 1","light":"warn","source":"x"},
+    {"what":"dog-ear","value":1,"unit":"mm","limit":4,"place":"","light":"good","source":"y"},
+    {"what":"open <b>","value":null,"unit":"mm","limit":null,"place":"","light":"told","source":""},{"what":7,"value":{},"limit":[]},7],)" +
+      sewn + "}");
+  const size_t wrong = html.find("What is wrong"), look = html.find("Worth a look"), body = html.find("</header>");
+  ASSERT_NE(wrong, std::string::npos);
+  EXPECT_NE(html.find("Wound gape, widest: 11 mm at (3.1, -4.0) mm; at most 2 mm"), std::string::npos);
+  EXPECT_LT(wrong, look);
+  EXPECT_EQ(html.find("<div", body), html.rfind("<div class=\"verdict bad\">", wrong)) << "nothing stands before it";
+  EXPECT_EQ(html.find("Closed"), std::string::npos);
+  EXPECT_NE(html.find("Not closed, with 1 suture"), std::string::npos);
+  EXPECT_EQ(html.find("open <b>"), std::string::npos);
+  const std::string closed = make(
+      R"({"ok":true,"verdict":[{"what":"closed along its whole edge","value":40,"unit":"mm","limit":null,"place":"","light":"good","source":""}],)" +
+      sewn + "}");
+  EXPECT_NE(closed.find("Closed along its whole edge with 1 suture"), std::string::npos);
+  EXPECT_EQ(closed.find("What is wrong"), std::string::npos);
 }
 
 TEST_F(Report, AbsentFieldsAreAbsent) {

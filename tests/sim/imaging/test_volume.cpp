@@ -147,7 +147,7 @@ TEST_F(Files, BrokenFilesHaveAMessage) {
   EXPECT_NE(with("sizes: 3 4 5", "sizes: 3 -4 5").find("size"), std::string::npos);
   EXPECT_NE(with("sizes: 3 4 5", "sizes: 3 4.5 5").find("size"), std::string::npos);
   EXPECT_NE(with("sizes: 3 4 5", "sizes: 2000 2000 2000").find("voxels"), std::string::npos);  // 16 GB claimed
-  EXPECT_NE(with("sizes: 3 4 5", "sizes: 700 700 700").find("cut short"), std::string::npos);  // fits, but is not there
+  EXPECT_NE(with("sizes: 3 4 5", "sizes: 600 600 600").find("cut short"), std::string::npos);  // fits, but is not there
   EXPECT_NE(with("sizes: 3 4 5", "sizes: 1000000 1000000 1000000").find("voxels"), std::string::npos);
   EXPECT_NE(with("(2,0,0)", "(1e9,0,0)").find("mm long"), std::string::npos);
   EXPECT_NE(with("(2,0,0)", "(0,0,0)").find("mm long"), std::string::npos);
@@ -157,9 +157,22 @@ TEST_F(Files, BrokenFilesHaveAMessage) {
   EXPECT_NE(with("encoding: raw", "encoding: bzip2").find("encoding"), std::string::npos);
   EXPECT_NE(with("encoding: raw", "encoding: gzip").find("compressed"), std::string::npos);
   EXPECT_NE(with("endian: little\n", "").find("endian"), std::string::npos);
-  EXPECT_NE(with("encoding: raw\n\n", "encoding: raw\ndata file: not_there\n\n").find("cannot be opened"),
+  EXPECT_NE(with("encoding: raw\n\n", "encoding: raw\ndata file: not_there\n\n").find("no such file"),
             std::string::npos);
   EXPECT_NE(with("encoding: raw\n\n", "encoding: raw\nbyte skip: 99999\n\n").find("skip"), std::string::npos);
+  // 400 bytes that promise a gigabyte: none of it is asked for.
+  {
+    std::string promise = kNrrd + "type: short\nendian: little\nencoding: gzip\n\n" + gz(data);
+    promise.replace(promise.find("sizes:"), promise.find('\n', promise.find("sizes:")) - promise.find("sizes:"),
+                    "sizes: 600 600 600");
+    std::string said;
+    try {
+      load_volume(write("promise.nrrd", promise));
+    } catch (const InputError& e) {
+      said = e.what();
+    }
+    EXPECT_NE(said.find("bytes cannot hold the 432000000 that were expected"), std::string::npos) << said;
+  }
   const std::string packed = gz(data), gzip = kNrrd + "type: short\nendian: little\nencoding: gzip\n\n";
   EXPECT_EQ(message(gzip + packed), "accepted");
   for (size_t n = 0; n + 12 < packed.size(); n += 3) EXPECT_NE(message(gzip + packed.substr(0, n)), "accepted");

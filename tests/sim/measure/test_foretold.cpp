@@ -3,7 +3,9 @@
 
 #include <cmath>
 #include <numbers>
+#include <string>
 
+#include "sim/body/obj.h"
 #include "sim/commands/procedures/catalogue.h"
 #include "sim/measure/elongations.h"
 #include "sim/measure/perfusion.h"
@@ -109,6 +111,45 @@ TEST(Perfusion, FallsWithTheWayToSkinThatIsAttached) {
       EXPECT_NEAR(p.below_40_mm2, 2 * (28 - 20) * 80, 0.25 * 2 * 8 * 80) << half;
   }
   EXPECT_EQ(perfusion(view_of(*body), skin).least, 1);
+}
+
+TEST(Perfusion, TheFarSideOfAClosedBodyIsNotUndermined) {
+  constexpr double R = 40;
+  constexpr int n = 48, m = 24;  // around, from pole to pole
+  std::string obj = "v 0 0 40\nv 0 0 -40\n";
+  for (int j = 1; j < m; ++j)
+    for (int i = 0; i < n; ++i) {
+      const double a = std::numbers::pi * j / m, b = 2 * std::numbers::pi * i / n;
+      obj += "v " + std::to_string(R * std::sin(a) * std::cos(b)) + " " +
+             std::to_string(R * std::sin(a) * std::sin(b)) + " " + std::to_string(R * std::cos(a)) + "\n";
+    }
+  const auto at = [&](int j, int i) { return std::to_string(3 + (j - 1) * n + i % n); };
+  for (int i = 0; i < n; ++i) {
+    obj += "f 1 " + at(1, i) + " " + at(1, i + 1) + "\n";
+    for (int j = 1; j + 1 < m; ++j)
+      obj += "f " + at(j, i) + " " + at(j + 1, i) + " " + at(j + 1, i + 1) + "\nf " + at(j, i) + " " +
+             at(j + 1, i + 1) + " " + at(j, i + 1) + "\n";
+    obj += "f 2 " + at(m - 1, i + 1) + " " + at(m - 1, i) + "\n";
+  }
+  ObjSpec spec;
+  spec.path = "ball";
+  spec.layers.resize(1);
+  spec.deep_direction = {1, 0, 0}, spec.deep_angle_deg = 20;
+  const auto body = std::make_shared<Body>(parse_obj(obj, spec));
+  const Skin skin(body);
+  for (const double side : {1., -1.}) {  // what faces the chart, and what turns away from it
+    SurfaceView v = view_of(*body);
+    const auto first = int32_t(v.X_mm.size());
+    for (const Vec3& p :
+         {Vec3(-8, -8, 35 * side), Vec3(8, -8, 35 * side), Vec3(8, 8, 35 * side), Vec3(-8, 8, 35 * side)})
+      v.X_mm.push_back(p);
+    for (const Tri& t : {Tri{first, first + 1, first + 2}, Tri{first, first + 2, first + 3}})
+      v.tri.push_back(t), v.kind.push_back(FaceKind::wall);
+    const Perfusion p = perfusion(v, skin);
+    // The ball above a square of 16 mm: 16² (1 + 8²/(3 R²)) = 259.4 mm²; triangles of 5 mm, counted whole, at its edge.
+    EXPECT_NEAR(p.undermined_mm2, 259.4, 90) << side;
+    EXPECT_EQ(p.severed_mm2, 0) << side;
+  }
 }
 
 TEST(MembraneState, AngleBetweenTensionAndFibres) {

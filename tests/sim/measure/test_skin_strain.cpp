@@ -171,6 +171,51 @@ TEST(SkinStrain, HomogeneousStretchOfABlock) {
   EXPECT_NEAR(s.area_mm2, 320, 1e-9);
 }
 
+// One vertex drawn out by a bad cut: a fibre law grows as exp(k2 E^2), and one small triangle gave 2.93e11 kPa in an
+// operation.
+TEST(SkinStrain, ATriangleBeyondTheLawMakesNoFigureOfTheSkin) {
+  Material m = skin_material();
+  m.law = {"gasser-ogden-holzapfel",
+           {{"mu_kPa", {18}}, {"k1_kPa", {100}}, {"k2", {2}}, {"kappa", {0.2}}, {"fibre_angle_deg", {41}}}};
+  const auto body = measured_block({40, 40, 5}, 1, m);
+  const SurfaceView v = view_of(*body);
+  auto x = deformed(v, [](const Vec3& X) { return Vec3(1.1 * X.x(), X.y(), X.z()); });
+  const SkinStrain plain = skin_strain(v, x, *body);
+  EXPECT_EQ(plain.beyond_law_mm2, 0);
+  for (size_t i = 0; i < x.size(); ++i)
+    if (v.X_mm[i] == Vec3(0, 0, 0)) x[i] += Vec3f(1.6f, 1.6f, 0);  // the triangles round it are drawn out threefold
+  const std::vector<MembraneState> states = skin_states(v, x, *body);
+  double worst = 0;
+  for (const MembraneState& s : states) worst = std::max(worst, s.stress_kPa);
+  EXPECT_GT(worst, 1e5) << "the law is beyond its range there";
+  const SkinStrain s = skin_strain(v, x, *body);
+  EXPECT_GT(s.beyond_law_mm2, 0.4);
+  EXPECT_LE(s.beyond_law_mm2, 4);  // the triangles round one vertex
+  EXPECT_LT(s.stress_max_kPa, 3e3);
+  EXPECT_NEAR(s.stress_p95_kPa, plain.stress_p95_kPa, 1e-3 * plain.stress_p95_kPa);
+  EXPECT_NEAR(s.stretch_p99, plain.stretch_p99, 1e-5);
+  // All of it beyond: no law tells a stress, and none is told.
+  const auto far = deformed(v, [](const Vec3& X) { return Vec3(1.8 * X.x(), X.y(), X.z()); });
+  const SkinStrain all = skin_strain(v, far, *body);
+  EXPECT_NEAR(all.beyond_law_mm2, all.area_mm2, 1e-9);
+  EXPECT_EQ(all.stress_max_kPa, 0);
+  EXPECT_NEAR(all.stretch_max, 1.8, 1e-5);
+  // Crushed to a third in its plane, so threefold thick.
+  const auto thick = deformed(v, [](const Vec3& X) { return Vec3(X.x() / 3, X.y(), X.z()); });
+  EXPECT_NEAR(skin_strain(v, thick, *body).beyond_law_mm2, all.area_mm2, 1e-9);
+}
+
+TEST(SkinStrain, TheLargestIsThatOfMoreThanASquareMm) {
+  const auto body = measured_block({40, 40, 5}, 1, skin_material());
+  const SurfaceView v = view_of(*body);
+  auto x = deformed(v, [](const Vec3& X) { return Vec3(X.x() > 10 ? 1.2 * X.x() - 2 : X.x(), X.y(), X.z()); });
+  EXPECT_NEAR(skin_strain(v, x, *body).stretch_max, 1.2, 1e-5);
+  // Half a square mm at the corner of the block, drawn out.
+  for (size_t i = 0; i < x.size(); ++i)
+    if (v.X_mm[i] == Vec3(-20, -20, 0)) x[i] += Vec3f(-0.3f, -0.3f, 0);
+  EXPECT_LT(skin_strain(v, x, *body).stretch_max, 1.21);
+}
+
 TEST(SkinStrain, PercentilesAreByArea) {
   std::vector<std::pair<double, double>> p{{3, 1}, {1, 98}, {2, 1}};
   EXPECT_EQ(weighted_percentile(p, 0.5), 1);

@@ -323,6 +323,19 @@ TEST(RimWalk, GoesSoFarAlongTheEdgeAndBack) {
   EXPECT_NEAR((place(*rim.along(*start, length / 2)) - place(*rim.along(*start, -length / 2))).norm(), 0, 1e-6);
 }
 
+TEST(Stitch, BothBitesInOneBankAreKnown) {
+  InlineWorkers workers;
+  World world(block(), workers);
+  must(world, Incise{{{-15, 0}, {15, 0}}, 4, 90});
+  settle(world, 1e-3, 20);
+  must(world, Suture{{-6, 1}, {-6, -1}});  // across
+  must(world, Suture{{0, 1}, {6, 1}});     // along the upper bank
+  must(world, Suture{{-3, 10}, {3, 10}});  // in skin away from any wound
+  must(world, Suture{{9, 6}, {9, -6}});    // across, its bites away from the edges
+  must(world, Suture{{14, 1}, {13, -1}});  // across, near the wound's end
+  EXPECT_EQ(world.skin()->stitches_in_one_bank(), (std::vector<int>{2, 3}));
+}
+
 TEST(SutureBetween, FillsTheWoundBetweenTwoStitches) {
   Slit s;
   must(s.world, Suture{{-10, 0}, {-10, 1.6}});

@@ -82,10 +82,12 @@ TEST(VertexShape, RoundTripOfRandomPlacesNeedsTheBit) {
 TEST(VertexShape, RoundTripWhereItIsHard) {
   Random rnd(3);
   const auto check = [&](const Vec3& P, const Vec3& A, const Vec3& B, const Vec3& C, const char* what) {
-    // A metric parameter e carries a rounding of eps |e|, which
-    // decode multiplies with an edge: 1e-12 while |e| < 1000 or so.
+    // A metric parameter e carries a rounding of eps |e|, which decode multiplies with an edge: 1e-12 while |e| < 1000
+    // or so. The normal of a thin triangle carries eps |B - A| |C - A| / (2 area).
     const LocalFrame f = local_frame(P, A, B, C);
-    const double allowed = std::max(1e-12, 10 * 2.2e-16 * (std::abs(f.e[0]) + std::abs(f.e[1]) + std::abs(f.e[2])));
+    const double thin = (B - A).norm() * (C - A).norm() / f.area2_mm2;
+    const double allowed =
+        std::max(1e-12, 10 * 2.2e-16 * (std::abs(f.e[0]) + std::abs(f.e[1]) + std::abs(f.e[2]) + thin));
     const double e = trip(P, A, B, C);
     EXPECT_LT(e, allowed) << what;
     EXPECT_LT(trip(P, A, B, C, ShapeCode::height), allowed) << what;

@@ -1,0 +1,187 @@
+#include "app/assembly/verdict.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "app/result/verdict_words.h"
+#include "sim/measure/table.h"
+
+namespace limberg {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kAtRest = 1e-4;  // relative residual
+// Overlap: warned of where it is more than what counts as met (kSutureGap_mm), bad where tissue lies in tissue by more
+// than half of the skin: then edges lie through one another.
+constexpr double kOverlapOfSkin = 0.5;
+// At a lag of 75 ms a hand begins to be slower, at 225 ms it is 64 % slower, with three times the errors (MacKenzie and
+// Ware 1993, INTERCHI, 488).
+constexpr double kBehindWarn_ms = 75, kBehindBad_ms = 225;
+constexpr const char* kBehindSource = "MacKenzie and Ware 1993: at 225 ms errors trebled, at 75 ms they begin to rise";
+constexpr double kSkippedShare = 0.01;  // as the lag, which 99 % of the ticks do not exceed
+
+std::string on_chart(const Body& body, const Vec3& X_mm) {
+  const ChartPoint p = body.to_chart(X_mm);
+  return fmt::format("({:.1f}, {:.1f}) mm", p.x() + 0.0, p.y() + 0.0);
+}
+
+std::string numbers_of(std::vector<int> ids, const char* one, const char* several) {
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  if (ids.empty()) return "";
+  std::string s = ids.size() == 1 ? one : several;
+  for (size_t i = 0; i < ids.size() && i < 12; ++i) s += (i ? ", " : " ") + std::to_string(ids[i]);
+  return ids.size() > 12 ? s + ", ..." : s;
+}
+
+/// Lines as they come; a lesson's tolerance takes the place of the limit that a line has by itself.
+class Lines {
+ public:
+  explicit Lines(std::span<const Judgement> judged) : judged_(judged), used_(judged.size(), false) {}
+
+  std::vector<ResultVerdict> all;
+
+  void add(std::string what, double value, std::string unit, double limit, std::string place, const char* light,
+           std::string source) {
+    all.push_back({std::move(what), value, std::move(unit), limit, std::move(place), light, std::move(source)});
+  }
+  /// Bad above `bad`, worth a look above `warn`; `tolerance`: the name by which a lesson may ask for the same.
+  void limited(std::string what, double value, std::string unit, MeasureLimits limits, std::string place,
+               const char* tolerance = nullptr) {
+    double limit = limits.bad, warn = limits.warn;
+    std::string source = limits.source;
+    if (tolerance)
+      for (size_t i = 0; i < judged_.size(); ++i)
+        if (judged_[i].name == tolerance) limit = warn = judged_[i].limit, source = "the lesson", used_[i] = true;
+    add(std::move(what), value, std::move(unit), limit, std::move(place),
+        value > limit  ? light_names::bad
+        : value > warn ? light_names::warn
+                       : light_names::good,
+        source);
+  }
+  bool asked(const char* tolerance) const {
+    return std::any_of(judged_.begin(), judged_.end(), [&](const Judgement& j) { return j.name == tolerance; });
+  }
+  /// What else the lesson asks.
+  void rest_of_lesson() {
+    for (size_t i = 0; i < judged_.size(); ++i)
+      if (const Judgement& j = judged_[i]; !used_[i])
+        add("lesson: " + j.name, j.value.value_or(kNone), j.unit, j.limit, j.value ? "" : j.why,
+            j.met ? light_names::good : light_names::bad, "the lesson");
+  }
+
+ private:
+  std::span<const Judgement> judged_;
+  std::vector<bool> used_;
+};
+
+void look_at_shape(Lines& lines, const VerdictOf& of) {
+  const Metrics& m = *of.metrics;
+  // Skin is bent by no less than a cell of the lattice: a face of one is what it cannot tell from none.
+  lines.limited("skin on its face or inside out", m.turned.area_mm2, "mm²",
+                {0.5 * of.cell_mm * of.cell_mm, of.cell_mm * of.cell_mm,
+                 "one face of a cell of the lattice, which bends skin no sharper"},
+                m.turned.area_mm2 > 0 ? on_chart(*of.body, m.turned.at_mm) : "");
+  lines.limited("cells of the lattice inside out", m.inverted_cells, "", {0, 0, "tissue cannot be turned inside out"},
+                "");
+  lines.limited("dog-ear", m.dog_ear_mm, "mm", kDogEar_mm, m.dog_ear_mm > 0 ? on_chart(*of.body, m.dog_ear_at_mm) : "",
+                "dog_ear_mm");
+  const double skin_mm = of.body->layers.empty() ? 1 : of.body->layers[0].thickness_mm;
+  lines.limited("tissue in tissue, 99 % of the wound", m.penetration.p99_mm, "mm",
+                {kSutureGap_mm.bad, std::max(kSutureGap_mm.bad, kOverlapOfSkin * skin_mm),
+                 "half of the skin's thickness: edges that lie through one another"},
+                "");
+  if (m.beyond_law_mm2 > 0)
+    lines.add("skin stretched beyond what skin bears, without a stress", m.beyond_law_mm2, "mm²", kNone, "",
+              light_names::warn, "Ni Annaidh et al. 2012: excised skin tore at a stretch of 1.54; its law ends there");
+}
+
+void look_at_wound(Lines& lines, const VerdictOf& of) {
+  const Metrics& m = *of.metrics;
+  const WoundGape& g = m.gape;
+  if (!(g.rim_length_mm > 0)) return;
+  const std::string widest = on_chart(*of.body, g.widest_at_mm);
+  if (m.sutures.empty() && !lines.asked("wound_gape_mm")) {
+    if (g.open_mm > 0)
+      lines.add("open wound, nothing is sewn", g.widest_mm, "mm", kNone, widest, light_names::told, "");
+    return;
+  }
+  const size_t before = lines.all.size();
+  lines.limited("wound gape, 95 % of the edge", g.gape_mm, "mm", kWoundGape_mm, on_chart(*of.body, g.gape_at_mm),
+                "wound_gape_mm");
+  lines.limited("wound gape, widest", g.widest_mm, "mm", kWoundGape_mm, widest);
+  lines.limited("edge of the wound that is open", g.open_mm, "mm",
+                {0, 0, "closed is a wound whose edges are all within 2 mm of each other (Hollander et al. 1995)"},
+                g.open_mm > 0 ? widest : "");
+  const bool closed = std::all_of(lines.all.begin() + std::ptrdiff_t(before), lines.all.end(),
+                                  [](const ResultVerdict& l) { return l.light != light_names::bad; });
+  if (closed && !m.sutures.empty()) lines.add(kClosedWhole, m.scar_length_mm, "mm", kNone, "", light_names::good, "");
+  if (lines.asked("step_off_mm"))
+    lines.limited("step-off, 95 % of the edge", m.step_off_mm, "mm", {}, "", "step_off_mm");
+}
+
+void look_at_stitches(Lines& lines, const VerdictOf& of) {
+  const Metrics& m = *of.metrics;
+  if (m.sutures.empty()) return;
+  std::vector<int> slack;  // of which the bank says nothing already
+  for (const int id : m.slack)
+    if (std::find(m.one_bank.begin(), m.one_bank.end(), id) == m.one_bank.end()) slack.push_back(id);
+  lines.limited("stitches that hold nothing: both bites in one bank", double(m.one_bank.size()), "",
+                {0, 0, "a stitch joins two edges"}, numbers_of(m.one_bank, "stitch", "stitches"));
+  if (!slack.empty())
+    lines.add("stitches that hold nothing: slack", double(slack.size()), "", 0, numbers_of(slack, "stitch", "stitches"),
+              light_names::warn, "pulls with less than 0.001 N");
+  lines.limited("bites of a stitch apart", m.suture_gap_max_mm, "mm", kSutureGap_mm, "", "gap_mm");
+  const std::string most = "stitch " + std::to_string(m.suture_force_max_id);
+  lines.limited("largest force of a stitch", m.suture_force_max_N, "N", kSutureForce_N, most, "suture_N");
+  if (lines.asked("suture_peak_N"))
+    lines.limited("largest force of a stitch so far", m.suture_force_peak_N, "N", kSutureForce_N, "", "suture_peak_N");
+  lines.limited("closure force", m.closure_force_N, "N", kClosureForce_N, "", "closure_N");
+}
+
+void look_at_pace(Lines& lines, const Pace& p) {
+  const double least = kSkippedShare * double(p.steps + p.skipped);
+  lines.add("solver steps skipped", double(p.skipped), "", std::floor(least), "",
+            double(p.skipped) > least ? light_names::warn : light_names::good,
+            "a hundredth of all, as the lag, which 99 % of the time do not exceed");
+  lines.limited("patient behind the hand, 99 % of the time", p.behind_p99_ms, "ms",
+                {kBehindWarn_ms, kBehindBad_ms, kBehindSource}, fmt::format("{:.0f} ms at most", p.behind_max_ms));
+}
+
+}  // namespace
+
+std::vector<ResultVerdict> verdict_of(const VerdictOf& of) {
+  Lines lines(of.judged);
+  if (of.metrics) look_at_shape(lines, of), look_at_wound(lines, of), look_at_stitches(lines, of);
+  if (of.bone)
+    lines.limited("bone outside the skin", of.bone->depth_mm, "mm", {0, 0, "bone lies under skin"},
+                  of.bone->depth_mm > 0
+                      ? fmt::format("({:.1f}, {:.1f}, {:.1f}) mm, fragment {}, {:.0f} mm²", of.bone->at_mm.x(),
+                                    of.bone->at_mm.y(), of.bone->at_mm.z(), of.bone->object, of.bone->area_mm2)
+                      : "");
+  if (of.pace) look_at_pace(lines, *of.pace);
+  if (!(of.residual <= kAtRest))
+    lines.add("not at rest: relative residual", of.residual, "", kAtRest, "",
+              of.cut_short ? light_names::warn : light_names::bad, "what is measured is not settled yet");
+  lines.rest_of_lesson();
+  const auto rank = [](const ResultVerdict& v) {
+    return v.light == light_names::bad ? 0 : v.light == light_names::warn ? 1 : v.light == light_names::told ? 2 : 3;
+  };
+  std::stable_sort(lines.all.begin(), lines.all.end(), [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
+  return std::move(lines.all);
+}
+
+bool is_bad(std::span<const ResultVerdict> verdict) {
+  return std::any_of(verdict.begin(), verdict.end(), [](const auto& v) { return v.light == light_names::bad; });
+}
+
+void print_verdict(std::span<const ResultVerdict> verdict) {
+  for (const ResultVerdict& v : verdict)
+    if (v.light != light_names::good || v.what == kClosedWhole)
+      fmt::print("verdict     {:<5} {}\n", v.light, in_words(v));
+}
+
+}  // namespace limberg

@@ -1,0 +1,27 @@
+// Everything that was looked at, with its limit and where that comes from.
+#include "app/report/html.h"
+#include "app/report/sections.h"
+#include "app/result/verdict_words.h"
+
+namespace limberg::sections {
+
+html::Markup verdict(const ReportSource& source) {
+  using html::Light;
+  std::vector<html::Row> rows;
+  for (const ResultVerdict& v : source.d.verdict) {
+    const Light light = v.light == light_names::bad    ? Light::bad
+                        : v.light == light_names::warn ? Light::warn
+                        : v.light == light_names::good ? Light::good
+                                                       : Light::none;
+    const Maybe value = std::isfinite(v.value) ? Maybe(v.value) : Maybe(),
+                limit = std::isfinite(v.limit) ? Maybe(v.limit) : Maybe();
+    rows.push_back({html::dot(light) + capital(v.what),
+                    value ? html::Markup(html::quantity(value, v.unit)) : html::Markup("not measured"),
+                    limit ? html::Markup("≤ " + html::quantity(limit, v.unit)) : html::Markup(), v.place, v.source});
+  }
+  if (rows.empty()) return {};
+  return html::section("What was looked at",
+                       html::table_of_words({"", "Value", "Limit", "Place", "Where the limit comes from"}, rows));
+}
+
+}  // namespace limberg::sections

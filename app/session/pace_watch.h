@@ -1,0 +1,42 @@
+#pragma once
+// Says in words when the patient falls behind the hand, and when it keeps up again; not at every flicker.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+
+namespace limberg {
+
+class PaceWatch {
+ public:
+  /// Behind from so many ms on (MacKenzie and Ware 1993: a lag begins to cost there), keeping up again below two thirds
+  /// of it.
+  static constexpr int64_t kBehind_ms = 75, kKeepsUp_ms = 50;
+  static constexpr int64_t kAfter_ms = 200, kAgainAfter_ms = 1000;  // that long without a break
+
+  /// At a time, how old what the hand has of the patient is. Returns what is to be said; mostly nothing.
+  std::string look(int64_t now_ms, int64_t behind_ms) {
+    if (behind_ms >= kBehind_ms) {
+      kept_up_since_ = now_ms;
+      if (fell_at_ < 0) fell_at_ = now_ms, worst_ms_ = 0;
+      worst_ms_ = std::max(worst_ms_, behind_ms);
+      const bool longer = now_ms - fell_at_ >= kAfter_ms, worse = worst_ms_ >= 2 * said_ms_;
+      if (!longer || (behind_ && (!worse || now_ms - said_at_ < 2 * kAgainAfter_ms))) return "";
+      behind_ = true, said_at_ = now_ms, said_ms_ = worst_ms_;
+      return fmt::format("the patient is {} ms behind your hand", worst_ms_);
+    }
+    if (!behind_) fell_at_ = -1;
+    if (behind_ms >= kKeepsUp_ms) kept_up_since_ = now_ms;
+    if (!behind_ || now_ms - kept_up_since_ < kAgainAfter_ms) return "";
+    behind_ = false, fell_at_ = -1, said_ms_ = 0;
+    return "the patient keeps up with your hand again";
+  }
+  bool behind() const { return behind_; }
+
+ private:
+  bool behind_ = false;
+  int64_t fell_at_ = -1, worst_ms_ = 0, said_ms_ = 0, said_at_ = 0, kept_up_since_ = 0;
+};
+
+}  // namespace limberg

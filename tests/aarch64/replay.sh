@@ -1,0 +1,48 @@
+#!/usr/bin/env bash
+# Builds the program for another processor (aarch64), replays shipped recordings under qemu-user, and compares with what was
+# recorded here: the same bits. On Debian, as root, with the network: it installs g++-aarch64-linux-gnu and qemu-user, and
+# unpacks the libraries of that processor into OUT/root, beside the system's. An hour on two cores.
+#   tests/aarch64/replay.sh [OUT] [RECORDING ...]     (default: build-aarch64; rhomboid craniofacial)
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+out=$(realpath -m "${1:-build-aarch64}")
+recordings=("${@:2}")
+[ ${#recordings[@]} -gt 0 ] || recordings=(rhomboid craniofacial)
+root=$out/root
+lib=$root/usr/lib/aarch64-linux-gnu
+
+if [ ! -e "$root/unpacked" ]; then
+  dpkg --add-architecture arm64
+  apt-get update -qq
+  DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends g++-aarch64-linux-gnu qemu-user > /dev/null
+  mkdir -p "$out/packages" "$root"
+  wanted=(libsuitesparse-dev libmetis-dev libbullet-dev liblcm-dev libfmt-dev zlib1g-dev libosmesa6-dev libfreetype-dev libpng-dev
+    libopenblas-dev)
+  all=$(apt-cache depends --recurse --no-recommends --no-suggests --no-conflicts --no-breaks --no-replaces --no-enhances \
+    "${wanted[@]/%/:arm64}" | grep '^[a-z].*:arm64$' | sort -u)
+  for package in $all; do
+    case $package in libc6-dev:*|linux-libc-dev:*|libgcc-*-dev:*|libstdc++-*-dev:*) continue ;; esac  # the compiler has its own
+    (cd "$out/packages" && apt-get download -qq "$package" 2> /dev/null) || true  # virtual packages have no file
+  done
+  for file in "$out"/packages/*.deb; do dpkg -x "$file" "$root"; done
+  touch "$root/unpacked"
+fi
+
+export LIMBERG_AARCH64_ROOT=$root
+cmake -S . -B "$out/build" -G Ninja -DCMAKE_TOOLCHAIN_FILE="$PWD/tests/aarch64/toolchain.cmake" -DLIMBERG_TESTS=OFF \
+  -DLIMBERG_WINDOW=OFF -DLIMBERG_EGL=OFF -DBLAS_LIBRARIES="$lib/openblas-pthread/libopenblas.so" -Dfmt_DIR="$lib/cmake/fmt" > /dev/null
+cmake --build "$out/build" --parallel "$(nproc)" --target limberg
+
+failed=0
+for name in "${recordings[@]}"; do
+  echo "$name"
+  LD_LIBRARY_PATH= qemu-aarch64 -L "$root" -E LD_LIBRARY_PATH="$lib:$lib/openblas-pthread:$lib/blas:$lib/lapack" \
+    "$out/build/limberg" replay "recordings/$name.lcm" --workers 1 --json "$out/$name.json" 2>&1 | grep -E 'state_hash|differs' || true
+  python3 - "$out/$name.json" <<'END' || failed=1
+import json, sys
+c = json.load(open(sys.argv[1]))["checkpoints"]
+print(c["equal"], "of", c["compared"], "checkpoints equal")
+sys.exit(c["equal"] != c["compared"])
+END
+done
+exit $failed

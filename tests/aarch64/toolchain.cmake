@@ -1,0 +1,17 @@
+# For processors of the kind aarch64, on a Debian of another kind: compiler g++-aarch64-linux-gnu, libraries under
+# LIMBERG_AARCH64_ROOT (replay.sh puts them there).
+set(CMAKE_SYSTEM_NAME Linux)
+set(CMAKE_SYSTEM_PROCESSOR aarch64)
+set(CMAKE_C_COMPILER aarch64-linux-gnu-gcc)
+set(CMAKE_CXX_COMPILER aarch64-linux-gnu-g++)
+set(root $ENV{LIMBERG_AARCH64_ROOT})
+set(CMAKE_FIND_ROOT_PATH ${root} /)
+set(CMAKE_PREFIX_PATH /usr)
+list(APPEND CMAKE_PREFIX_PATH /usr/lib/aarch64-linux-gnu)
+set(CMAKE_LIBRARY_ARCHITECTURE aarch64-linux-gnu)
+set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
+set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
+set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE BOTH)
+set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE BOTH)
+set(lib ${root}/usr/lib/aarch64-linux-gnu)
+set(CMAKE_EXE_LINKER_FLAGS_INIT "-L${lib} -Wl,-rpath-link,${lib}:${root}/lib/aarch64-linux-gnu:${lib}/blas:${lib}/lapack:${lib}/openblas-pthread -Wl,--allow-shlib-undefined")

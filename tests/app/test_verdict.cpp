@@ -1,0 +1,131 @@
+// A patient with one thing wrong at a time: each is seen, named, placed, and bad where its limit says so.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "app/assembly/verdict.h"
+#include "app/result/verdict_words.h"
+#include "sim/body/block.h"
+
+namespace limberg {
+namespace test_verdict {
+
+class Verdict : public ::testing::Test {
+ protected:
+  Verdict() {
+    BlockSpec b;
+    b.size_mm = {60, 60, 10};
+    b.layers = {{"skin", 1.5, {}}, {"fat", 8.5, {}}};
+    body = make_block(b);
+    m.gape.rim_length_mm = 80;
+    m.gape.gape_mm = m.wound_gape_mm = 0.8;
+    m.gape.widest_mm = 1.2;
+    m.scar_length_mm = 40;
+    m.sutures.resize(2);
+    m.sutures[0].id = 1, m.sutures[1].id = 2;
+    m.sutures[0].force_N = m.sutures[1].force_N = 0.2;
+  }
+  std::vector<ResultVerdict> look() const {
+    VerdictOf of;
+    of.metrics = &m, of.body = &body, of.cell_mm = 3.5, of.judged = judged, of.bone = bone, of.pace = pace;
+    of.residual = residual;
+    return verdict_of(of);
+  }
+  /// The light of the line whose name begins so; "" where there is none.
+  static std::string light(const std::vector<ResultVerdict>& v, const std::string& what) {
+    for (const ResultVerdict& l : v)
+      if (l.what.starts_with(what)) return l.light;
+    return "";
+  }
+  Body body;
+  Metrics m;
+  std::vector<Judgement> judged;
+  std::optional<BoneOutside> bone;
+  std::optional<Pace> pace;
+  double residual = 1e-6;
+};
+
+TEST_F(Verdict, AWoundWhoseWholeEdgeIsClosedIsGoodAndOnlyThatIsClosed) {
+  const auto v = look();
+  EXPECT_FALSE(is_bad(v));
+  EXPECT_EQ(light(v, kClosedWhole), "good");
+  for (const ResultVerdict& l : v) EXPECT_EQ(l.light, "good") << l.what;
+  // One stretch between stitches stands open; 95 % of the edge and every stitch are as before.
+  m.gape.widest_mm = 4, m.gape.open_mm = 3, m.gape.widest_at_mm = Vec3(7, -3, 0);
+  const auto open = look();
+  EXPECT_TRUE(is_bad(open));
+  EXPECT_EQ(light(open, kClosedWhole), "");
+  EXPECT_EQ(light(open, "wound gape, widest"), "bad");
+  EXPECT_EQ(light(open, "wound gape, 95 %"), "good");
+  EXPECT_EQ(open[0].light, "bad") << "what is wrong comes first";
+  EXPECT_EQ(open[0].place, "(7.0, -3.0) mm");
+}
+
+TEST_F(Verdict, AWoundWithoutAStitchIsToldAndNoFault) {
+  m.sutures.clear();
+  m.gape.widest_mm = 11, m.gape.gape_mm = 10, m.gape.open_mm = 70;
+  const auto v = look();
+  EXPECT_FALSE(is_bad(v));
+  EXPECT_EQ(light(v, "open wound"), "told");
+  EXPECT_EQ(light(v, kClosedWhole), "");
+  // A lesson that asks for it makes it one.
+  judged = {{"wound_gape_mm", "mm", 2, 10.0, "", false}};
+  EXPECT_EQ(light(look(), "wound gape, 95 %"), "bad");
+}
+
+TEST_F(Verdict, EachFaultIsSeen) {
+  const auto alone = [&](const std::string& what, const std::string& expected, auto&& fault) {
+    const Metrics sound = m;
+    fault();
+    const auto v = look();
+    EXPECT_EQ(light(v, what), expected) << what;
+    EXPECT_EQ(is_bad(v), expected == "bad") << what;
+    EXPECT_TRUE(v[0].what.starts_with(what)) << v[0].what;
+    m = sound, bone.reset(), pace.reset(), residual = 1e-6;
+  };
+  alone("skin on its face", "bad", [&] { m.turned = {40, Vec3(1, 2, 0)}; });
+  alone("skin on its face", "warn", [&] { m.turned = {8, Vec3(1, 2, 0)}; });
+  alone("cells of the lattice inside out", "bad", [&] { m.inverted_cells = 1; });
+  alone("dog-ear", "bad", [&] { m.dog_ear_mm = 8.4; });
+  alone("tissue in tissue", "bad", [&] { m.penetration.p99_mm = 1; });
+  alone("stitches that hold nothing: both", "bad", [&] { m.one_bank = {2}; });
+  alone("stitches that hold nothing: slack", "warn", [&] { m.slack = {1, 2}; });
+  alone("largest force of a stitch", "bad", [&] { m.suture_force_max_N = 6.4, m.suture_force_max_id = 2; });
+  alone("largest force of a stitch", "warn", [&] { m.suture_force_max_N = 3; });
+  alone("closure force", "bad", [&] { m.closure_force_N = 16; });
+  alone("bites of a stitch apart", "bad", [&] { m.suture_gap_max_mm = 0.3; });
+  alone("skin stretched beyond", "warn", [&] { m.beyond_law_mm2 = 3; });
+  alone("bone outside the skin", "bad", [&] { bone = BoneOutside{1.5, 20, Vec3(1, 2, 3), 2}; });
+  alone("patient behind the hand", "bad", [&] { pace = Pace{5000, 0, 400, 900}; });
+  alone("patient behind the hand", "warn", [&] { pace = Pace{5000, 0, 100, 900}; });
+  alone("solver steps skipped", "warn", [&] { pace = Pace{3400, 1664, 40, 90}; });
+  alone("not at rest", "bad", [&] { residual = 1e-3; });
+  alone("not at rest", "bad", [&] { residual = std::nan(""); });
+}
+
+TEST_F(Verdict, ALessonsOwnToleranceWinsAndWhatElseItAsksIsALine) {
+  m.dog_ear_mm = 5;
+  judged = {{"dog_ear_mm", "mm", 6, 5.0, "", true},
+            {"corner_mm", "mm", 2, std::nullopt, "nothing was drawn", false},
+            {"undos", "", 3, 1.0, "", true}};
+  const auto v = look();
+  EXPECT_EQ(light(v, "dog-ear"), "good");
+  EXPECT_EQ(light(v, "lesson: dog_ear_mm"), "") << "one line for each thing";
+  EXPECT_EQ(light(v, "lesson: corner_mm"), "bad");
+  EXPECT_EQ(light(v, "lesson: undos"), "good");
+  EXPECT_EQ(in_words(v[0]), "lesson: corner_mm: not measured, nothing was drawn; at most 2 mm");
+}
+
+TEST_F(Verdict, BadComesBeforeWhatIsWorthALookBeforeWhatIsGood) {
+  m.slack = {1}, m.inverted_cells = 2, m.dog_ear_mm = 9;
+  const auto v = look();
+  const auto rank = [](const std::string& l) { return l == "bad" ? 0 : l == "warn" ? 1 : l == "told" ? 2 : 3; };
+  for (size_t i = 1; i < v.size(); ++i) EXPECT_LE(rank(v[i - 1].light), rank(v[i].light));
+  for (const ResultVerdict& l : v) {
+    EXPECT_FALSE(l.what.empty());
+    EXPECT_TRUE(l.light == "good" || !l.source.empty()) << l.what << ": a limit has a source";
+  }
+}
+
+}  // namespace test_verdict
+}  // namespace limberg
