@@ -118,7 +118,9 @@ void look_at_wound(Lines& lines, const VerdictOf& of) {
                 g.open_mm > 0 ? widest : "");
   const bool closed = std::all_of(lines.all.begin() + std::ptrdiff_t(before), lines.all.end(),
                                   [](const ResultVerdict& l) { return l.light != light_names::bad; });
-  if (closed && !m.sutures.empty()) lines.add(kClosedWhole, m.scar_length_mm, "mm", kNone, "", light_names::good, "");
+  if (closed && !m.sutures.empty())
+    lines.add(kClosedWhole, m.scar_length_mm, "mm", kNone, fmt::format("gapes by at most {:.2g} mm", g.widest_mm),
+              light_names::good, "");
   if (lines.asked("step_off_mm"))
     lines.limited("step-off, 95 % of the edge", m.step_off_mm, "mm", {}, "", "step_off_mm");
 }

@@ -140,7 +140,8 @@ void compare_checkpoints(Result& r, const SessionCall& call, const SolverLane& s
         break;
       }
   if (compared == 0) return;
-  ResultCheckpoints c{compared, equal, {}};
+  ResultCheckpoints c;
+  c.compared = compared, c.equal = equal;
   if (first_difference >= 0) c.first_difference_s = double(first_difference) * 1e-3;
   const StateDifference& d = solver.difference();
   if (first_difference >= 0 && d.compared > d.other_topology) c.difference_mm = d.mm, c.difference_N = d.N;

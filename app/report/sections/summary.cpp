@@ -68,10 +68,12 @@ Verdict verdict_of(const ReportData& d) {
   }
   if (!d.sutures().empty() && gap) {
     // Whether the wound is closed only its whole edge can say, and stitches whose bites have met say nothing of it.
-    const bool looked = !d.verdict.empty(), met = *gap <= kSutureGap_mm.bad,
-               closed = std::any_of(d.verdict.begin(), d.verdict.end(),
-                                    [](const ResultVerdict&l) { return l.what == kClosedWhole; });
-    v.say((closed   ? "Closed along its whole edge with "
+    const bool looked = !d.verdict.empty(), met = *gap <= kSutureGap_mm.bad;
+    const auto whole = std::find_if(d.verdict.begin(), d.verdict.end(),
+                                    [](const ResultVerdict& line) { return line.what == kClosedWhole; });
+    const bool closed = whole != d.verdict.end();
+    const std::string gapes = closed && !whole->place.empty() ? " (" + whole->place + ")" : "";
+    v.say((closed   ? "Closed along its whole edge" + gapes + " with "
            : looked ? "Not closed, with "
                     : "Sewn with ") +
               std::to_string(d.sutures().size()) + (d.sutures().size() == 1 ? " suture" : " sutures") +

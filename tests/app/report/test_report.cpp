@@ -183,9 +183,9 @@ TEST_F(Report, BeginsWithWhatIsWrong) {
   EXPECT_NE(html.find("Not closed, with 1 suture"), std::string::npos);
   EXPECT_EQ(html.find("open <b>"), std::string::npos);
   const std::string closed = make(
-      R"({"ok":true,"verdict":[{"what":"closed along its whole edge","value":40,"unit":"mm","limit":null,"place":"","light":"good","source":""}],)" +
+      R"({"ok":true,"verdict":[{"what":"closed along its whole edge","value":40,"unit":"mm","limit":null,"place":"gapes by at most 1.6 mm","light":"good","source":""}],)" +
       sewn + "}");
-  EXPECT_NE(closed.find("Closed along its whole edge with 1 suture"), std::string::npos);
+  EXPECT_NE(closed.find("Closed along its whole edge (gapes by at most 1.6 mm) with 1 suture"), std::string::npos);
   EXPECT_EQ(closed.find("What is wrong"), std::string::npos);
 }
 
