@@ -23,8 +23,8 @@ TEST_P(Shipped, RecordingReplaysToTheRecordedBits) {
 INSTANTIATE_TEST_SUITE_P(Recordings, Shipped,
                          testing::Combine(testing::Values("rhomboid", "zplasty", "craniofacial"),
                                           testing::Values("plain", "avx2", "avx512")),
-                         [](const auto& info) {
-                           return std::string(std::get<0>(info.param)) + "_" + std::get<1>(info.param);
+                         [](const auto& of) {
+                           return std::string(std::get<0>(of.param)) + "_" + std::get<1>(of.param);
                          });
 
 }  // namespace test_shipped
