@@ -19,9 +19,9 @@ void CommonOptions::add_workers(CLI::App& c) {
   c.add_option("--workers", workers, "Worker threads; results do not depend on it (default: one per core)")
       ->type_name("N")
       ->check(whole_from(1, 256));
-  c.add_option("--simd", simd,
-               "Instructions of the elasticity kernels (default: the widest of this machine); results differ by "
-               "single-precision rounding")
+  c.add_option(
+       "--simd", simd,
+       "Instructions of the elasticity kernels (default: the widest of this machine); results do not depend on it")
       ->type_name("SET")
       ->check(CLI::IsMember({"plain", "avx2", "avx512"}));
 }
