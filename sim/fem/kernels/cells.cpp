@@ -8,9 +8,9 @@ namespace limberg::fem::LIMBERG_SET {
 namespace {
 
 inline v4 cross(v4 a, v4 b) {
-  const v4i yzx = {1, 2, 0, 3};
-  const v4 a1 = __builtin_shuffle(a, yzx), b1 = __builtin_shuffle(b, yzx);
-  return __builtin_shuffle(a * b1 - a1 * b, yzx);
+  const v4 a1 = __builtin_shufflevector(a, a, 1, 2, 0, 3), b1 = __builtin_shufflevector(b, b, 1, 2, 0, 3);
+  const v4 c = a * b1 - a1 * b;
+  return __builtin_shufflevector(c, c, 1, 2, 0, 3);
 }
 inline float dot3(v4 a, v4 b) {
   const v4 m = a * b;
@@ -23,17 +23,13 @@ inline float dot3(v4 a, v4 b) {
 inline v4 deviatoric(const KernelStencil& s, const v4* un, v4* f) {
   const v16* f0 = reinterpret_cast<const v16*>(s.f0);
   const v16* K = reinterpret_cast<const v16*>(s.K);
-  const parti p0 = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
-  const parti p1 = {4, 4, 4, 4, 5, 5, 5, 5, 6, 6, 6, 6, 7, 7, 7, 7};
-  const parti p2 = {8, 8, 8, 8, 9, 9, 9, 9, 10, 10, 10, 10, 11, 11, 11, 11};
-  const parti p3 = {12, 12, 12, 12, 13, 13, 13, 13, 14, 14, 14, 14, 15, 15, 15, 15};
   const v16 x = in_every_lane(un + 1);
-  v16 a0 = f0[0], b0 = f0[1], a1 = __builtin_shuffle(K[0], p2) * x, b1 = __builtin_shuffle(K[0], p3) * x;
+  v16 a0 = f0[0], b0 = f0[1], a1 = LIMBERG_QUAD(K[0], 2) * x, b1 = LIMBERG_QUAD(K[0], 3) * x;
   for (int j = 1; j < 4; ++j) {
     const v16 k = K[j];  // columns 2 j and 2 j + 1
     const v16 x0 = in_every_lane(un + 2 * j), x1 = in_every_lane(un + 2 * j + 1);
-    a0 += __builtin_shuffle(k, p0) * x0, b0 += __builtin_shuffle(k, p1) * x0;
-    a1 += __builtin_shuffle(k, p2) * x1, b1 += __builtin_shuffle(k, p3) * x1;
+    a0 += LIMBERG_QUAD(k, 0) * x0, b0 += LIMBERG_QUAD(k, 1) * x0;
+    a1 += LIMBERG_QUAD(k, 2) * x1, b1 += LIMBERG_QUAD(k, 3) * x1;
   }
   reinterpret_cast<v16*>(f)[0] = a0 + a1, reinterpret_cast<v16*>(f)[1] = b0 + b1;
 #else

@@ -23,19 +23,17 @@ namespace limberg::fem::LIMBERG_SET {
 #if LIMBERG_LANES == 512
 typedef float part __attribute__((vector_size(64)));
 typedef int32_t parti __attribute__((vector_size(64)));
-#define LIMBERG_SHUFFLE(a, b, i, j, k, l)                                                                      \
-  __builtin_shuffle(a, b,                                                                                      \
-                    (parti{i, j, k, l, (i) + 4, (j) + 4, (k) + 4, (l) + 4, (i) + 8, (j) + 8, (k) + 8, (l) + 8, \
-                           (i) + 12, (j) + 12, (k) + 12, (l) + 12}))
+#define LIMBERG_SHUFFLE(a, b, i, j, k, l)                                                                           \
+  __builtin_shufflevector(a, b, i, j, k, l, (i) + 4, (j) + 4, (k) + 4, (l) + 4, (i) + 8, (j) + 8, (k) + 8, (l) + 8, \
+                          (i) + 12, (j) + 12, (k) + 12, (l) + 12)
 #elif LIMBERG_LANES == 256
 typedef float part __attribute__((vector_size(32)));
 typedef int32_t parti __attribute__((vector_size(32)));
-#define LIMBERG_SHUFFLE(a, b, i, j, k, l) \
-  __builtin_shuffle(a, b, (parti{i, j, k, l, (i) + 4, (j) + 4, (k) + 4, (l) + 4}))
+#define LIMBERG_SHUFFLE(a, b, i, j, k, l) __builtin_shufflevector(a, b, i, j, k, l, (i) + 4, (j) + 4, (k) + 4, (l) + 4)
 #else
 typedef v4 part;
 typedef v4i parti;
-#define LIMBERG_SHUFFLE(a, b, i, j, k, l) __builtin_shuffle(a, b, (parti{i, j, k, l}))
+#define LIMBERG_SHUFFLE(a, b, i, j, k, l) __builtin_shufflevector(a, b, i, j, k, l)
 #endif
 constexpr int part_lanes = int(sizeof(part) / sizeof(float)), parts = 16 / part_lanes;
 
@@ -59,6 +57,11 @@ LIMBERG_INLINE void from_rows(const part r[4], part& x, part& y, part& z) {
 #if LIMBERG_LANES == 512
 
 typedef part v16;
+/// The four numbers of a quarter of a vector, each in all of a 128-bit lane.
+#define LIMBERG_QUAD(v, q)                                                                                           \
+  __builtin_shufflevector(v, v, 4 * (q), 4 * (q), 4 * (q), 4 * (q), 4 * (q) + 1, 4 * (q) + 1, 4 * (q) + 1,           \
+                          4 * (q) + 1, 4 * (q) + 2, 4 * (q) + 2, 4 * (q) + 2, 4 * (q) + 2, 4 * (q) + 3, 4 * (q) + 3, \
+                          4 * (q) + 3, 4 * (q) + 3)
 
 LIMBERG_INLINE v16 get(const void* p) { return (v16)_mm512_loadu_ps(p); }
 LIMBERG_INLINE void put(void* p, v16 v) { _mm512_storeu_ps(p, (__m512)v); }
@@ -68,8 +71,7 @@ LIMBERG_INLINE v16 in_every_lane(const void* four) {
 }
 /// Each of four numbers in all of its lane.
 LIMBERG_INLINE v16 spread(const float* four) {
-  const parti lanes = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
-  return __builtin_shuffle((v16)_mm512_castps128_ps512(_mm_loadu_ps(four)), lanes);
+  return LIMBERG_QUAD((v16)_mm512_castps128_ps512(_mm_loadu_ps(four)), 0);
 }
 /// Three vectors of 16 numbers (x, y, z of 16 rows) to four
 /// vectors whose 128-bit lane l holds row 4*l + k as (x,y,z,0).

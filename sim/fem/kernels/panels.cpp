@@ -33,7 +33,7 @@ inline v4 total(v16 s0, v16 s1, v16 s2) {
 
 /// Numbers that are soon wanted. Panels are short and lie in an order that no prefetcher guesses: without this half of
 /// the time is spent waiting for them once the factor has left the second cache.
-LIMBERG_INLINE void ask_for(const v16* p) { __builtin_prefetch(p, 0, 3); }
+[[maybe_unused]] LIMBERG_INLINE void ask_for(const v16* p) { __builtin_prefetch(p, 0, 3); }
 [[maybe_unused]] constexpr int ahead = 32;  // vectors
 
 inline int slot(int i) { return (i & ~15) + (i & 3) * 4 + ((i >> 2) & 3); }

@@ -51,10 +51,9 @@ LIMBERG_INLINE double lanes(v4d x) { return (x[0] + x[1]) + (x[2] + x[3]); }
 /// Sums over the lanes of three vectors, as a node.
 LIMBERG_INLINE v4d totals(v4d x, v4d y, v4d z) {
   const v4d o = {};
-  const v4l low = {0, 4, 2, 6}, high = {1, 5, 3, 7}, first = {0, 1, 4, 5}, second = {2, 3, 6, 7};
-  const v4d a = __builtin_shuffle(x, y, low) + __builtin_shuffle(x, y, high);
-  const v4d b = __builtin_shuffle(z, o, low) + __builtin_shuffle(z, o, high);
-  return __builtin_shuffle(a, b, first) + __builtin_shuffle(a, b, second);
+  const v4d a = __builtin_shufflevector(x, y, 0, 4, 2, 6) + __builtin_shufflevector(x, y, 1, 5, 3, 7);
+  const v4d b = __builtin_shufflevector(z, o, 0, 4, 2, 6) + __builtin_shufflevector(z, o, 1, 5, 3, 7);
+  return __builtin_shufflevector(a, b, 0, 1, 4, 5) + __builtin_shufflevector(a, b, 2, 3, 6, 7);
 }
 
 }  // namespace
