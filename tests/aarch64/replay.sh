@@ -20,10 +20,11 @@ if [ ! -e "$root/unpacked" ]; then
     libopenblas-dev)
   all=$(apt-cache depends --recurse --no-recommends --no-suggests --no-conflicts --no-breaks --no-replaces --no-enhances \
     "${wanted[@]/%/:arm64}" | grep '^[a-z].*:arm64$' | sort -u)
-  for package in $all; do
-    case $package in libc6-dev:*|linux-libc-dev:*|libgcc-*-dev:*|libstdc++-*-dev:*) continue ;; esac  # the compiler has its own
-    (cd "$out/packages" && apt-get download -qq "$package" 2> /dev/null) || true  # virtual packages have no file
-  done
+  # Of these some are virtual and have no file; and the compiler has its own C library.
+  real=$(apt-cache show --no-all-versions $all 2> /dev/null |
+    awk '/^Package:/ {name = $2} /^Architecture:/ {print name ":" $2}' | sort -u |
+    grep -Ev '^(libc6-dev|linux-libc-dev|libgcc-.*-dev|libstdc\+\+-.*-dev):')
+  (cd "$out/packages" && apt-get download -qq $real)
   for file in "$out"/packages/*.deb; do dpkg -x "$file" "$root"; done
   touch "$root/unpacked"
 fi
