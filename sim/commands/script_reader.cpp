@@ -57,7 +57,7 @@ bool ScriptReader::is_list(const char* key) const { return has(key) && data_->js
 
 void ScriptReader::only(const std::vector<const char*>& keys, const std::string& where) const {
   for (const auto& [k, v] : data_->json.items()) {
-    if (std::any_of(keys.begin(), keys.end(), [&](const char* want) { return k == want; })) continue;
+    if (std::any_of(keys.begin(), keys.end(), [&k = k](const char* want) { return k == want; })) continue;
     std::string list;
     for (const char* want : keys) list += (list.empty() ? "" : ", ") + std::string(want);
     fail("unknown key \"" + shown(k) + "\" in " + where + "; expected " + list);

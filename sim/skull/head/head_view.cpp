@@ -20,7 +20,7 @@ void add_fans(SurfaceTopology& top, const simplex::Mesh& mesh, std::vector<int32
     top.view.X_mm.push_back(simplex::face_centre(mesh, f));
     middle.push_back(f);
     const auto [organ, object] = of_face(f);
-    mesh.around(f, [&](int32_t h) {
+    mesh.around(f, [&, organ = organ, object = object](int32_t h) {  // clang 14 cannot capture parts of a pair
       top.view.tri.push_back({centre, base + mesh.from(h), base + mesh.to(h)});
       top.view.kind.push_back(FaceKind::free);
       top.organ.push_back(organ);
