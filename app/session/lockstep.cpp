@@ -15,7 +15,10 @@ void timed(Histogram& h, F&& f) {
 }
 
 void in_lockstep(SessionLanes& lanes, const SessionSettings& set, SessionFigures& out) {
-  auto& [device, solver, render, recorder] = lanes;
+  DeviceLane& device = lanes.device;
+  SolverLane& solver = lanes.solver;
+  RenderLane& render = lanes.render;
+  Recorder* const recorder = lanes.recorder;
   VirtualClock clock;
   solver.start();
   render.prepare();

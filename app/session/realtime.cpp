@@ -319,7 +319,10 @@ SessionFigures run_realtime(SessionLanes lanes, const SessionSettings& set, cons
                             const std::function<void(int64_t)>& before_start) {
   SessionFigures out;
   Control c;
-  auto& [device, solver, render, recorder] = lanes;
+  DeviceLane& device = lanes.device;
+  SolverLane& solver = lanes.solver;
+  RenderLane& render = lanes.render;
+  Recorder* const recorder = lanes.recorder;
   {
     Crew crew(c);
     try {
