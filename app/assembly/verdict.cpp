@@ -169,11 +169,15 @@ std::vector<ResultVerdict> verdict_of(const VerdictOf& of) {
     lines.add("not at rest: relative residual", of.residual, "", kAtRest, "",
               of.cut_short ? light_names::warn : light_names::bad, "what is measured is not settled yet");
   lines.rest_of_lesson();
+  worst_first(lines.all);
+  return std::move(lines.all);
+}
+
+void worst_first(std::vector<ResultVerdict>& verdict) {
   const auto rank = [](const ResultVerdict& v) {
     return v.light == light_names::bad ? 0 : v.light == light_names::warn ? 1 : v.light == light_names::told ? 2 : 3;
   };
-  std::stable_sort(lines.all.begin(), lines.all.end(), [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
-  return std::move(lines.all);
+  std::stable_sort(verdict.begin(), verdict.end(), [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
 }
 
 bool is_bad(std::span<const ResultVerdict> verdict) {

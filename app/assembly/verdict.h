@@ -39,6 +39,8 @@ struct VerdictOf {
 
 /// Bad ones first, then what is worth a look, then what is told and what is good.
 std::vector<ResultVerdict> verdict_of(const VerdictOf& of);
+/// The order in which lines stand in a verdict; those of the same kind stay as they are.
+void worst_first(std::vector<ResultVerdict>& verdict);
 bool is_bad(std::span<const ResultVerdict> verdict);
 /// On the terminal: bad lines and those worth a look, and what is good of a wound; nothing where there is nothing.
 void print_verdict(std::span<const ResultVerdict> verdict);

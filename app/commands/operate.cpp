@@ -8,9 +8,10 @@
 
 #include "app/assembly/exercise.h"
 #include "app/assembly/operation.h"
-#include "app/assembly/orders.h"
+#include "app/commands/closure_force.h"
 #include "app/commands/numbers.h"
 #include "app/commands/operate_head.h"
+#include "app/commands/operate_orders.h"
 #include "app/commands/session_command.h"
 #include "app/commands/this_call.h"
 #include "app/pictures/pictures.h"
@@ -103,137 +104,6 @@ void fill_operation(Result& r, const World& world, const Scene& scene, const Ope
   write_fields(r, "", story);
 }
 
-/// Closure force after each action, as a chart and as `closure`.
-LineChart closure_chart(const std::vector<std::pair<std::string, const std::vector<ClosureForce>*>>& runs) {
-  LineChart c;
-  c.description = "Sum of the stitches' forces at rest after each action, and the largest of them";
-  c.x.title = "line of the script", c.y.title = "N";
-  for (const auto& [name, closure] : runs) {
-    ChartSeries sum, most;
-    sum.name = name.empty() ? "sum of all stitches" : name + ": sum",
-    most.name = name.empty() ? "largest stitch" : name + ": largest";
-    sum.markers = most.markers = true;
-    for (const ClosureForce& f : *closure) {
-      sum.x.push_back(f.line), sum.y.push_back(f.sum_N);
-      most.x.push_back(f.line), most.y.push_back(f.max_N);
-    }
-    c.series.push_back(std::move(sum)), c.series.push_back(std::move(most));
-  }
-  return c;
-}
-
-/// closure: the stitches after an act.
-struct ResultClosure {
-  int64_t line;
-  MaybeText action;
-  int64_t stitches;
-  double sum_N, max_N;
-  int64_t max_id;
-};
-void fields(ResultClosure& x, auto&& f) {
-  f("line", x.line), f("action", x.action), f("stitches", x.stitches), f("sum_N", x.sum_N), f("max_N", x.max_N);
-  f("max_id", x.max_id);
-}
-
-void fill_closure(Result& r, const std::vector<ClosureForce>& closure) {
-  for (const ClosureForce& c : closure)
-    append(r, "/closure", ResultClosure{c.line, c.action, c.stitches, c.sum_N, c.max_N, c.max_id});
-  if (!closure.empty()) add_chart(r, "Closure force over the operation", closure_chart({{"", &closure}}));
-}
-
-/// One order of closure: what it cost on the way and where it ended.
-struct OrderRow {
-  std::string name;
-  std::vector<ClosureForce> closure;
-  double peak_N = 0, peak_sum_N = 0, end_N = 0, end_max_N = 0, energy_uJ = 0, apart_mm = 0, residual = 0;
-};
-
-/// orders
-struct ResultOrder {
-  MaybeText order;
-  double suture_force_peak_N, closure_force_peak_N, suture_force_max_N, closure_force_N, energy_uJ, apart_mm, residual;
-};
-void fields(ResultOrder& x, auto&& f) {
-  f("order", x.order), f("suture_force_peak_N", x.suture_force_peak_N);
-  f("closure_force_peak_N", x.closure_force_peak_N), f("suture_force_max_N", x.suture_force_max_N);
-  f("closure_force_N", x.closure_force_N), f("energy_uJ", x.energy_uJ), f("apart_mm", x.apart_mm);
-  f("residual", x.residual);
-}
-
-/// The same wound closed in several orders.
-int compare_orders(const OperateOptions& opt, const Scene& scene, const Script& script,
-                   const std::shared_ptr<const Body>& body, WorkersPool& workers) {
-  std::vector<OrderRow> rows;
-  std::vector<Vec3f> first;
-  bool at_rest = true;
-  for (const std::string& how : opt.orders) {
-    const Script ordered = reordered(script, how);
-    WorldSpec spec = world_spec(scene, body);
-    if (opt.cell_mm > 0) spec.cell_mm = opt.cell_mm;
-    World world(spec, workers);
-    OperationSettings set;
-    set.interrupted = interrupted;
-    Progress progress("order " + how);
-    set.progress = [&](size_t done, size_t total) { progress.show(double(done), double(total), "actions"); };
-    const OperationOutcome o = operate(world, scene.tools.max_depth_mm, ordered, set);
-    progress.clear();
-    if (o.interrupted) {
-      say("interrupted; nothing was written");
-      return kGoalMissed;
-    }
-    OrderRow r;
-    r.name = how, r.closure = o.closure, r.energy_uJ = o.last.energy_uJ, r.residual = o.last.residual;
-    at_rest &= o.last.residual <= 1e-4;
-    Snapshot end;
-    world.fill(end);
-    for (const SutureState& s : end.sutures) {
-      r.end_N += double(s.force_N), r.end_max_N = std::max(r.end_max_N, double(s.force_N));
-      r.peak_N = std::max({r.peak_N, double(s.peak_N), double(s.force_N)});
-    }
-    for (const ClosureForce& f : o.closure) r.peak_sum_N = std::max(r.peak_sum_N, f.sum_N);
-    if (first.empty()) first = end.x_mm;
-    if (first.size() == end.x_mm.size())
-      for (size_t v = 0; v < first.size(); ++v)
-        r.apart_mm = std::max(r.apart_mm, double((first[v] - end.x_mm[v]).norm()));
-    rows.push_back(std::move(r));
-  }
-  Result result("operate", scene.name);
-  ResultRun run;
-  run.scene_title = scene.name;
-  write_fields(result, "", run);
-  ResultTable table;
-  table.title = "Orders of closure";
-  table.about =
-      "The same stitches, tied in another order. Forces are those of states at rest; 'apart' is how far the skin lies "
-      "at the end, at most, from where the first order left it.";
-  table.columns = {"order",
-                   "largest force of a stitch ever, N",
-                   "largest sum ever, N",
-                   "largest at the end, N",
-                   "sum at the end, N",
-                   "energy, mJ",
-                   "apart, mm"};
-  std::printf("%-20s %12s %12s %12s %12s %12s %9s\n", "order", "peak N", "peak sum N", "end max N", "end sum N",
-              "energy mJ", "apart mm");
-  std::vector<std::pair<std::string, const std::vector<ClosureForce>*>> runs;
-  for (size_t i = 0; i < rows.size(); ++i) {
-    const OrderRow& r = rows[i];
-    std::printf("%-20s %12.4f %12.4f %12.4f %12.4f %12.4f %9.3f\n", r.name.c_str(), r.peak_N, r.peak_sum_N, r.end_max_N,
-                r.end_N, 1e-3 * r.energy_uJ, r.apart_mm);
-    table.rows.push_back({r.name, short_number(r.peak_N), short_number(r.peak_sum_N), short_number(r.end_max_N),
-                          short_number(r.end_N), short_number(1e-3 * r.energy_uJ), short_number(r.apart_mm, 3)});
-    append(result, "/orders",
-           ResultOrder{r.name, r.peak_N, r.peak_sum_N, r.end_max_N, r.end_N, r.energy_uJ, r.apart_mm, r.residual});
-    runs.emplace_back(r.name, &rows[i].closure);
-  }
-  add_chart(result, "Closure force over the operation", closure_chart(runs));
-  add_table(result, table);
-  write_fields(result, "", made_by(this_call()));
-  result.set_ok(at_rest);
-  leave_result(result, opt.common);
-  return at_rest ? kDone : kGoalMissed;
-}
-
 constexpr const char* kFieldsHeader =
     "chart_x_mm,chart_y_mm,area_mm2,stretch,least_stretch,stress_kPa,least_stress_kPa,angle_to_fibres_deg,perfusion_"
     "index";
@@ -295,7 +165,7 @@ int run_operate(const OperateOptions& opt) {
   const std::shared_ptr<const Body> body = build_body(scene);
   WorkersPool workers(opt.common.worker_count());
 
-  if (!opt.orders.empty()) return compare_orders(opt, scene, script, body, workers);
+  if (!opt.orders.empty()) return compare_orders(opt.orders, opt.cell_mm, opt.common, scene, script, body, workers);
 
   std::vector<Command> actions;
   for (const ScriptLine& l : script.lines) actions.push_back(l.command);

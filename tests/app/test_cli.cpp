@@ -401,6 +401,20 @@ TEST_F(Cli, ThreadsOrdersAndTheirFigures) {
   EXPECT_GE(j["orders"][0]["suture_force_peak_N"].get<double>(),
             j["orders"][0]["suture_force_max_N"].get<double>() - 1e-9);
   EXPECT_EQ(j["charts"].size(), 1u);
+  for (const std::string order : {"as-written", "reversed", "2-1-3"})
+    EXPECT_TRUE(std::any_of(j["verdict"].begin(), j["verdict"].end(), [&](const auto& v) {
+      return v["what"] == order + ": closed along its whole edge" && v["light"] == "good";
+    })) << order;
+  // Two thirds of the wound are not sewn: each order ends badly.
+  const std::string open =
+      file("open.jsonl", script("{\"action\":\"incise\",\"path\":[[-12,1],[12,1]],\"depth_mm\":5}\n"
+                                "{\"action\":\"suture\",\"a\":[-10,0.3],\"b\":[-10,1.7]}\n"
+                                "{\"action\":\"suture\",\"a\":[-8,0.3],\"b\":[-8,1.7]}\n"));
+  o = run("operate " + scene + " " + open + " --orders as-written,reversed --json " + path("open.json"));
+  EXPECT_EQ(o.status, 3) << o.err;
+  const auto left = nlohmann::json::parse(slurp(dir_ / "open.json"));
+  EXPECT_FALSE(left["ok"].get<bool>());
+  EXPECT_EQ(left["verdict"][0]["light"], "bad");
   expect_refused("operate " + scene + " " + f + " --orders 1-2", {"orders"});
   const std::string running =
       file("running.jsonl", script("{\"action\":\"incise\",\"path\":[[-12,1],[12,1]],\"depth_mm\":5}\n"
