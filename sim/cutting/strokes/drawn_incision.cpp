@@ -108,11 +108,11 @@ bool DrawnIncision::begin(const BladeContext& c, bool last) {
     overshoot_ = overshoot_of(c);
     start_wall_.reset();
     const WallMap walls(c);
-    const int32_t join = may_join_start_ ? join_start(walls, path_, depth_ + extra_) : -1;
+    const int32_t join = may_join_start_ && may_go_back_ ? join_start(walls, path_, depth_ + extra_) : -1;
     if (join >= 0)
       start_wall_ = walls.columns()[size_t(join)], past_start_ = false;
     else
-      past_start_ = attach_start(c, WoundMap(c), path_, overshoot_);
+      past_start_ = may_go_back_ && attach_start(c, WoundMap(c), path_, overshoot_);
   }
   start_ = {path_[0], path_.size() - 1};
   return begun_ = path_.size() >= 2;
@@ -390,6 +390,7 @@ void DrawnIncision::end_leg() {
 }
 
 void DrawnIncision::was_cut(const CutResult& result) {
+  may_go_back_ = true, nothing_at_ = -1;
   if (committed_ == 0 && !offered_.joins_start && !past_start_ && !later_leg_) start_point_ = result.blade_point[0];
   if (offered_.closing && offered_.leg >= 0) return end_leg();
   if (offered_.closing) finished_ = true;
@@ -416,8 +417,12 @@ void DrawnIncision::was_nothing(const BladeContext& c) {
     end_point_.clear();
     return;
   }
-  begin_again(offered_.end_at,
-              offered_.end_arc);  // along an earlier cut: what comes next begins on whatever lies before it
+  // Along an earlier cut: what comes next begins on whatever lies before it. Where a hand has turned back on its own
+  // way that led back to where this piece began; then the next one begins where this one ended.
+  begin_again(offered_.end_at, offered_.end_arc);
+  const double at = path_length(drawn_) - path_length(path_);
+  may_go_back_ = at > nothing_at_ + kKnot;
+  nothing_at_ = std::max(nothing_at_, at);
 }
 
 bool DrawnIncision::was_refused() {

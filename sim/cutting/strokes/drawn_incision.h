@@ -94,6 +94,8 @@ class DrawnIncision {
   bool later_leg_ = false;   // it begins on the leg before
   bool finished_ = false;
   bool may_join_start_ = true, may_join_end_ = true;
+  bool may_go_back_ = true;  // the start may lie before the path's, on a wall that is there
+  double nothing_at_ = -1;   // how far along the path, since the last cut, pieces have met nothing to cut
   // The path as it was followed, and as it is cut: a settled start (if any) and so many of its last points.
   static constexpr size_t kAll = SIZE_MAX;
   struct Start {

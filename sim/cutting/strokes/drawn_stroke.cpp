@@ -286,7 +286,7 @@ bool DrawnStroke::was_refused() {
 }
 
 CutResult DrawnStroke::cut(const BladeContext& c, bool last, const MakeCut& make_cut) {
-  constexpr int kMostCuts = 2000;  // of one call: far more than a path of 2000 points needs
+  constexpr int kMostBlades = 4000;  // of one call: far more than a path of 2000 points needs
   CutResult all;
   all.status = CutResult::nothing_to_cut;
   const auto refused = [&](std::string why) {
@@ -294,15 +294,15 @@ CutResult DrawnStroke::cut(const BladeContext& c, bool last, const MakeCut& make
     r.reason = std::move(why);
     return r;
   };
-  for (int cuts = 0;;) {
-    if (cuts == kMostCuts) return refused("one piece of a stroke makes too many cuts; shorter pieces were expected");
+  for (int blades = 0;; ++blades) {
+    if (blades == kMostBlades)
+      return refused("one piece of a stroke makes too many cuts; shorter pieces were expected");
     const BladeResult blade = next(c, last);
     if (!blade.blade && !blade.reason.empty()) return refused(blade.reason);
     if (!blade.blade) break;
     CutResult one = make_cut(*blade.blade);
     if (one.ok()) {
       was_cut(one);
-      ++cuts;
       one.wall_faces += all.wall_faces, one.patches += all.patches, one.patches_kept += all.patches_kept;
       all = std::move(one);
     } else if (one.status == CutResult::nothing_to_cut) {
