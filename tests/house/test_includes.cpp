@@ -85,6 +85,7 @@ bool read_only_sim(const std::string& t) {
                                            "sim/base/elementary.h",
                                            "sim/base/error.h",
                                            "sim/base/hash.h",
+                                           "sim/base/part.h",
                                            "sim/base/whole_file.h",
                                            "sim/cutting/arrangement/surface_view.h",
                                            "sim/fem/model/fem_model.h",
