@@ -11,7 +11,8 @@ LoadedPart load_part(const std::string& name, const char* entry, const std::stri
   std::error_code ec;
   const fs::path program = fs::read_symlink("/proc/self/exe", ec), folder = program.parent_path();
   const std::string file = "limberg-" + name + ".so";
-  for (const fs::path& place : {folder / "parts", folder.parent_path() / "parts", folder.parent_path() / "lib/limberg"}) {
+  for (const fs::path& place :
+       {folder / "parts", folder.parent_path() / "parts", folder.parent_path() / "lib/limberg"}) {
     const std::string path = (place / file).string();
     if (!fs::exists(path, ec)) continue;
     void* const library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
