@@ -10,7 +10,7 @@
 
 #include "sim/fem/forces/contact_law.h"
 #include "sim/fem/model/hanging_nodes.h"
-#include "sim/fem/preconditioner/scalar_matrix.h"
+#include "sim/fem/preconditioner/cholesky.h"
 #include "sim/testing/direct_factor.h"
 #include "sim/testing/reference_cells.h"
 

@@ -25,6 +25,7 @@
 #include "tests/bench/soak/soak.h"
 #include "tests/bench/speed.h"
 #include "tests/bench/stability.h"
+#include "tests/bench/start/start.h"
 #include "tests/bench/suite.h"
 #include "tests/bench/verification.h"
 
@@ -201,6 +202,11 @@ constexpr Suite kSuites[] = {
      "30k, drag 100k",
      false, run_speed},
     {"stability", "what tissue comes back from, beside full Newton", "a family of cases", false, run_stability},
+    {"start", "peak memory and start time of the program, by scene, with and without pictures",
+     "program, tiny, or a scene", false,
+     [](const Options& o) {
+       return start({o.quick, o.only, o.progress});
+     }},
     {"verification", "closed forms, published values, CalculiX", "", false,
      [](const Options& o) {
        return only(verification({o.quick, o.progress}));
