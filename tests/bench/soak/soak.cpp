@@ -54,13 +54,13 @@ int call(const std::vector<std::string>& words) {
   return run_command_line(app, words, chosen, "");
 }
 
-struct Told {
+struct SoakTold {
   ResultRun run;
   int64_t compared = 0, equal = 0;
 };
-Told told_by(const std::string& json_file) {
+SoakTold soak_told(const std::string& json_file) {
   const auto json = nlohmann::json::parse(read_whole_file(json_file, size_t(1) << 28), nullptr, false);
-  Told t;
+  SoakTold t;
   result_json::read(json, t.run);
   const auto& c = result_json::member(json, "checkpoints");
   result_json::read(result_json::member(c, "compared"), t.compared);
@@ -85,7 +85,7 @@ class Soaking {
       const size_t scenes = std::size(kScenes);
       r.part = part, r.scene = kScenes[size_t(k) % scenes], r.seed = 1 + uint64_t(k / int64_t(scenes)) % kSeeds;
       const double cpu = cpu_ms();
-      const Told t = part == "live" ? live(r) : lockstep(r);
+      const SoakTold t = part == "live" ? live(r) : lockstep(r);
       r.hash = t.run.state_hash.value_or("");
       const double steps = double(t.run.solver.steps.value_or(0));
       if (part == "lockstep" && steps > 0) r.cpu_ms = (cpu_ms() - cpu) / steps;
@@ -106,26 +106,26 @@ class Soaking {
   std::string file(const char* name) const { return (folder_.path() / name).string(); }
   static std::string script(const std::string& scene) { return shipped_file("recordings/" + scene + ".jsonl"); }
 
-  Told lockstep(SoakRound& r) const {
+  SoakTold lockstep(SoakRound& r) const {
     const std::string json = file("emulate.json");
     const int status = call({"emulate", r.scene, script(r.scene), "--out", file("stream.lcm"), "--replace", "--seed",
                              std::to_string(r.seed), "--json", json});
     r.as_expected = status == kDone || status == kGoalMissed;  // of an operation that a verdict finds fault with
-    return told_by(json);
+    return soak_told(json);
   }
 
   /// The stream that the last lockstep round of this scene and seed would leave is the hand.
-  Told live(SoakRound& r) const {
+  SoakTold live(SoakRound& r) const {
     SoakRound hand = r;
     lockstep(hand);
     const std::string json = file("run.json"), again = file("replay.json"), live = file("live.lcm");
     const double cpu = cpu_ms();
     const int status = call({"run", r.scene, "--headless", "--device", "log:" + file("stream.lcm"), "--record", live,
                              "--replace", "--json", json});
-    Told t = told_by(json);
+    SoakTold t = soak_told(json);
     if (const double steps = double(t.run.solver.steps.value_or(0)); steps > 0) r.cpu_ms = (cpu_ms() - cpu) / steps;
     const int replayed = call({"replay", live, "--json", again});
-    const Told back = told_by(again);
+    const SoakTold back = soak_told(again);
     r.as_expected = hand.as_expected && status == replayed && back.compared > 0 && back.equal == back.compared;
     return t;
   }
