@@ -1,6 +1,6 @@
 #pragma once
-// A window of the desktop, through GLFW. Made, pumped and destroyed on the main thread. GLFW and X11 are loaded with the
-// first one (sim/base/part.h, glfw/glfw_part.cpp).
+// A window of the desktop, through GLFW. Made, pumped and destroyed on the main thread. GLFW and X11 are loaded with
+// the first one (sim/base/part.h, glfw/glfw_part.cpp).
 #include <functional>
 #include <memory>
 #include <string>

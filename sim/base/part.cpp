@@ -22,7 +22,7 @@ LoadedPart load_part(const std::string& name, const char* entry, const std::stri
     return {nullptr, path + " cannot be loaded (" + (why ? why : "no reason given") + "); expected " + needs +
                          " to be installed"};
   }
-  return {nullptr, file + " is not beside the program; expected a build or an installation with it (" + needs + ")"};
+  return {nullptr, file + " is not beside the program; expected a build or an installation with it, and " + needs};
 }
 
 }  // namespace limberg

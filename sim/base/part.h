@@ -1,6 +1,6 @@
 #pragma once
-// Parts of the program that few sessions need, each a small library of its own: opened when it is first needed and kept.
-// A session without it neither maps nor starts what the part links.
+// Parts of the program that few sessions need, each a small library of its own: opened when it is first needed and
+// kept. A session without it neither maps nor starts what the part links.
 //
 //   limberg-bullet.so   bones that a hand holds (Bullet)     limberg-glfw.so   a window (GLFW, X11)
 //   limberg-lcm.so      LCM's own library (GLib)

@@ -1,5 +1,6 @@
 #pragma once
-// CHOLMOD's own factor, with the BLAS inside it: what benches and baselines are measured against. The program has neither.
+// CHOLMOD's own factor, with the BLAS inside it: what benches and baselines are measured against. The program has
+// neither.
 #include <memory>
 #include <span>
 
