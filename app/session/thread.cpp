@@ -87,6 +87,8 @@ std::string request_real_time(int priority) {
   return line;
 }
 
+void unlock_memory() { munlockall(); }
+
 void be_nice(int nice) {
   // On Linux the nice value belongs to the thread, named by its kernel id.
   setpriority(PRIO_PROCESS, id_t(syscall(SYS_gettid)), nice);
