@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <atomic>
-#include <lcm/lcm-cpp.hpp>
 #include <thread>
 
 #include "devices/heard_streams.h"
+#include "devices/lcm_library.h"
 #include "devices/lcm_local_link.h"
 #include "devices/lcm_publisher.h"
 #include "devices/message_codec.h"
@@ -25,26 +25,17 @@ constexpr size_t kMostCommands = 10'000;  // of a session
 
 struct LcmNetSource::Impl {
   Impl(const LcmNetSettings& settings, int64_t start) : start_ns(start), queue(settings.ring) {
-    if (!settings.allow_other_networks && settings.url.starts_with("udpm://"))
+    if (!settings.allow_other_networks && settings.url.starts_with("udpm://")) {
       local = std::make_unique<LcmLocalLink>(settings.url);
-    else
-      library = std::make_unique<lcm::LCM>(settings.url);
+      return;
+    }
+    library = open_lcm(settings.url);
+    for (const std::string_view c : {kStylusChannel, kControlChannel, kCommandChannel, kTrackerChannel})
+      library->listen_to(std::string(c));
   }
 
   // ---- the receiving thread ----
 
-  static void on_stylus(const lcm::ReceiveBuffer* buffer, const std::string&, Impl* self) {
-    self->take<limberg_msg::stylus_t, StylusSample>(static_cast<const uint8_t*>(buffer->data), buffer->data_size);
-  }
-  static void on_control(const lcm::ReceiveBuffer* buffer, const std::string&, Impl* self) {
-    self->take<limberg_msg::control_t, ControlSample>(static_cast<const uint8_t*>(buffer->data), buffer->data_size);
-  }
-  static void on_command(const lcm::ReceiveBuffer* buffer, const std::string&, Impl* self) {
-    self->take<limberg_msg::command_t, CommandSample>(static_cast<const uint8_t*>(buffer->data), buffer->data_size);
-  }
-  static void on_tracker(const lcm::ReceiveBuffer* buffer, const std::string&, Impl* self) {
-    self->take<limberg_msg::tracker_t, TrackerSample>(static_cast<const uint8_t*>(buffer->data), buffer->data_size);
-  }
   void on_packet(std::string_view channel, const uint8_t* data, size_t n) {
     if (channel == kStylusChannel)
       take<limberg_msg::stylus_t, StylusSample>(data, n);
@@ -88,10 +79,9 @@ struct LcmNetSource::Impl {
   }
 
   void listen() {
+    const auto take_packet = [this](std::string_view c, const uint8_t* d, size_t n) { on_packet(c, d, n); };
     while (!stop.load(std::memory_order_acquire)) {
-      const bool whole =
-          local ? local->receive(50, [this](std::string_view c, const uint8_t* d, size_t n) { on_packet(c, d, n); })
-                : library->handleTimeout(50) >= 0;
+      const bool whole = local ? local->receive(50, take_packet) : library->receive(50, take_packet);
       if (local) foreign.store(local->foreign(), std::memory_order_relaxed);
       if (!whole) {
         // The socket is broken. Say so through the counts and do not spin.
@@ -103,7 +93,7 @@ struct LcmNetSource::Impl {
   }
 
   std::unique_ptr<LcmLocalLink> local;  // one of the two
-  std::unique_ptr<lcm::LCM> library;
+  std::unique_ptr<LcmLibrary> library;
   const int64_t start_ns;
   HeardStreams heard;  // of the receiving thread alone, as are the commands
   std::vector<std::shared_ptr<const Command>> commands;
@@ -120,17 +110,6 @@ LcmNetSource::LcmNetSource(const LcmNetSettings& settings, int64_t start_ns) {
         "LCM address \"" + settings.url +
             "\" may reach other machines; expected udpm://239.255.76.67:7667?ttl=0 or explicit leave to listen there");
   impl_ = std::make_unique<Impl>(settings, start_ns);
-  if (impl_->library && !impl_->library->good())
-    throw InputError(
-        "", 0,
-        "LCM address \"" + settings.url +
-            "\" cannot be opened; expected a multicast route, for instance after: ip route add 224.0.0.0/4 dev lo");
-  if (impl_->library) {
-    impl_->library->subscribeFunction(std::string(kStylusChannel), &Impl::on_stylus, impl_.get());
-    impl_->library->subscribeFunction(std::string(kControlChannel), &Impl::on_control, impl_.get());
-    impl_->library->subscribeFunction(std::string(kCommandChannel), &Impl::on_command, impl_.get());
-    impl_->library->subscribeFunction(std::string(kTrackerChannel), &Impl::on_tracker, impl_.get());
-  }
   impl_->thread = std::thread([this] { impl_->listen(); });
 }
 

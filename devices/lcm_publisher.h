@@ -11,6 +11,8 @@
 
 namespace limberg {
 
+class LcmLibrary;
+
 class LcmPublisher {
  public:
   /// InputError: an address that leaves this machine and
@@ -22,8 +24,7 @@ class LcmPublisher {
   int64_t sent() const { return sent_; }
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  std::unique_ptr<LcmLibrary> lcm_;
   int64_t sent_ = 0;
 };
 

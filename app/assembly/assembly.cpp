@@ -5,6 +5,7 @@
 #include "app/head/build.h"
 #include "app/program/version.h"
 #include "sim/base/error.h"
+#include "sim/skull/bone/rigid_world.h"
 
 namespace limberg {
 
@@ -28,6 +29,7 @@ std::unique_ptr<ScriptWriter> open_script(const std::string& file, const Scene& 
 
 std::unique_ptr<World> make_world(const Scene& scene, Workers& workers) {
   if (!scene.head) return std::make_unique<World>(world_spec(scene, build_body(scene)), workers);
+  if (const std::string why = bone::why_no_physics(); !why.empty()) throw InputError(scene.path, 0, why);
   const HeadSettings head{1e-3 * ticks_per_solver_step(scene), scene.head->carries_skin_mm};
   if (!scene.flesh) return std::make_unique<World>(head_parts(scene, workers), workers, head);
   return std::make_unique<World>(world_spec(scene, build_body(scene)), head_parts(scene, workers), workers, head);

@@ -300,7 +300,9 @@ AssemblyOptions assembly_options(const SessionCall& call) {
   o.record = !call.record_file.empty();
   o.real_time = call.real_time;
   o.progressive_cut = call.progressive_cut;
-  o.draw_frames = !call.common.out_dir.empty();  // else nobody sees them; a window or a film says so itself
+  // Nobody sees frames: a window or a film says so itself. In real time a session with pictures draws them all the
+  // same, so that its times are those of a session that is looked at.
+  o.draw_frames = call.real_time && !call.common.out_dir.empty();
   o.repro_dir = call.common.repro();
   if (!call.common.out_dir.empty()) o.script_file = call.common.out_dir + "/session.jsonl";
   return o;

@@ -98,6 +98,7 @@ struct Crew {
   ~Crew() {
     control.end();
     device.reset(), solver.reset(), render.reset();
+    unlock_memory();
   }
 };
 

@@ -1,5 +1,6 @@
 #include "app/session/thread.h"
 
+#include <link.h>
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
@@ -24,6 +25,27 @@ void* run(void* p) {
 bool memory_lock_allowed() {
   rlimit lim{};
   return geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &lim) == 0 && lim.rlim_cur == RLIM_INFINITY);
+}
+
+/// What is there stays, and what is touched later stays from then on; nothing is brought in for it, such as stacks of
+/// which a thread needs a hundredth. Programs and libraries are: a page of these may have to come from a disk.
+bool lock_memory() {
+  if (!memory_lock_allowed() || mlockall(MCL_CURRENT | MCL_ONFAULT) != 0) return false;
+  dl_iterate_phdr(
+      [](dl_phdr_info* object, size_t, void*) {
+        const uintptr_t page = uintptr_t(sysconf(_SC_PAGESIZE));
+        for (int i = 0; i < object->dlpi_phnum; ++i) {
+          const ElfW(Phdr)& part = object->dlpi_phdr[i];
+          if (part.p_type != PT_LOAD || (part.p_flags & PF_W) != 0) continue;
+          const uintptr_t begin = (object->dlpi_addr + part.p_vaddr) & ~(page - 1);
+          const uintptr_t end = object->dlpi_addr + part.p_vaddr + part.p_memsz;
+          madvise(reinterpret_cast<void*>(begin), end - begin,
+                  MADV_POPULATE_READ);  // Linux 5.14: else as they are used
+        }
+        return 0;
+      },
+      nullptr);
+  return true;
 }
 
 }  // namespace
@@ -53,7 +75,7 @@ std::string request_real_time(int priority) {
   sched_param p{};
   p.sched_priority = priority;
   const int err = pthread_setschedparam(pthread_self(), SCHED_FIFO, &p);
-  const bool locked = memory_lock_allowed() && mlockall(MCL_CURRENT) == 0;
+  const bool locked = lock_memory();
   std::string line = "device thread: ";
   line += err == 0 ? "SCHED_FIFO " + std::to_string(priority)
                    : std::string("ordinary scheduling (") + std::strerror(err) + ")";
@@ -64,6 +86,8 @@ std::string request_real_time(int priority) {
     line += "; a page fault may delay a tick (raise the memlock limit)";
   return line;
 }
+
+void unlock_memory() { munlockall(); }
 
 void be_nice(int nice) {
   // On Linux the nice value belongs to the thread, named by its kernel id.

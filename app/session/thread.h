@@ -27,6 +27,9 @@ class ScheduledThread {
 /// Priority 0: asks for nothing.
 std::string request_real_time(int priority);
 
+/// The end of what request_real_time() asked of the process: locked memory cannot be given back.
+void unlock_memory();
+
 /// Lowers the calling thread's priority (nice value, >= 0).
 void be_nice(int nice);
 

@@ -1,5 +1,6 @@
 #pragma once
-// A window of the desktop, through GLFW. Made, pumped and destroyed on the main thread.
+// A window of the desktop, through GLFW. Made, pumped and destroyed on the main thread. GLFW and X11 are loaded with
+// the first one (sim/base/part.h, glfw/glfw_part.cpp).
 #include <functional>
 #include <memory>
 #include <string>
@@ -8,21 +9,15 @@
 
 namespace limberg {
 
-class GlfwScreen final : public Screen {
+class DesktopScreen : public Screen {
  public:
-  /// RenderUnavailable when there is no display or it has no OpenGL 3.3 core.
-  GlfwScreen(const std::string& title, int width, int height);
-  ~GlfwScreen() override;
-  std::unique_ptr<GlContext> context() override;
-
   /// Takes what the desktop has to say. `on_event` hears it (x, y in pixels of the frame) and passes on what the render
   /// thread is to see; without it, that is everything.
-  void pump();
+  virtual void pump() = 0;
   std::function<void(const WindowEvent& event)> on_event;
-
- private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
 };
+
+/// RenderUnavailable when there is no display, it has no OpenGL 3.3 core, or GLFW cannot be loaded.
+std::unique_ptr<DesktopScreen> open_glfw_screen(const std::string& title, int width, int height);
 
 }  // namespace limberg

@@ -30,11 +30,11 @@ class MouseWindow final : public SessionWindow {
  public:
   MouseWindow(const Scene& scene, const WindowCall& call)
       : mouse_(call.mouse),
-        screen_("Limberg: " + scene.name, 1280, 720),
-        router_(screen_, feed_, lesson_steps(call.lesson), call.mouse),
-        frames_(screen_, feed_, &gauges_, {facts(scene, call), scene_camera(scene), call.picture_dir}) {
-    show_words(screen_, scene.head ? "Making the head ..." : "Making the patient ...");
-    screen_.on_event = [this](const WindowEvent& e) { router_.take(e); };
+        screen_(open_glfw_screen("Limberg: " + scene.name, 1280, 720)),
+        router_(*screen_, feed_, lesson_steps(call.lesson), call.mouse),
+        frames_(*screen_, feed_, &gauges_, {facts(scene, call), scene_camera(scene), call.picture_dir}) {
+    show_words(*screen_, scene.head ? "Making the head ..." : "Making the patient ...");
+    screen_->on_event = [this](const WindowEvent& e) { router_.take(e); };
   }
   PictureSink& sink() override { return frames_; }
   std::unique_ptr<Source> pointer(Channels& channels) override {
@@ -48,7 +48,7 @@ class MouseWindow final : public SessionWindow {
   }
   LaneGauges& gauges() override { return gauges_; }
   void pump() override {
-    screen_.pump();
+    screen_->pump();
     router_.pump(RealClock::monotonic_ns());
   }
   bool keep_recording() const override { return feed_.keep_recording.load(); }
@@ -57,7 +57,7 @@ class MouseWindow final : public SessionWindow {
   bool mouse_;
   LaneGauges gauges_;
   HandFeed feed_;
-  GlfwScreen screen_;
+  std::unique_ptr<DesktopScreen> screen_;
   InputRouter router_;
   WindowFrames frames_;
 };

@@ -10,6 +10,9 @@ namespace limberg {
 template <class Entry>
 class History {
  public:
+  /// So many acts can be taken back, the newest: what takes them back costs memory (docs/limits.md).
+  static constexpr size_t kMost = 1000;
+
   bool can_undo() const { return !done_.empty(); }
   bool can_redo() const { return !undone_.empty(); }
   Entry& last() { return done_.back(); }
@@ -22,6 +25,7 @@ class History {
       if (v->capacity() < all) v->reserve(2 * all);
   }
   void push(Entry entry) {
+    if (done_.size() >= kMost) done_.erase(done_.begin());
     done_.push_back(std::move(entry));
     undone_.clear();
   }

@@ -11,7 +11,7 @@
 #include "sim/fem/forces/contact_law.h"
 #include "sim/fem/model/hanging_nodes.h"
 #include "sim/fem/preconditioner/cholesky.h"
-#include "sim/fem/preconditioner/scalar_matrix.h"
+#include "sim/testing/direct_factor.h"
 #include "sim/testing/reference_cells.h"
 
 namespace limberg {
@@ -82,7 +82,10 @@ struct ReferenceElasticity::Impl {
   mutable cholmod_common common;
   cholmod_factor* symbolic = nullptr;
 
-  explicit Impl(const FemModel& model) : m(model), cells(model) { cholmod_start(&common); }
+  explicit Impl(const FemModel& model) : m(model), cells(model) {
+    fem::keep_single_threaded();
+    cholmod_start(&common);
+  }
   ~Impl() {
     cholmod_free_factor(&symbolic, &common);
     cholmod_finish(&common);

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <thread>
 
 #include "app/session/as_recorded.h"
@@ -647,6 +648,24 @@ TEST(RealTime, EndsWhenInterrupted) {
   int asked = 0;
   set.interrupted = [&] { return ++asked > 10; };
   EXPECT_TRUE(run_realtime(rig.lanes(), set, {}).interrupted);
+}
+
+TEST(RealTime, NoMemoryIsLockedOnceASessionHasEnded) {
+  const auto locked_kB = [] {
+    std::ifstream in("/proc/self/status");
+    for (std::string line; std::getline(in, line);)
+      if (line.starts_with("VmLck:")) return std::stol(line.substr(6));
+    return -1L;
+  };
+  Rig rig(std::make_unique<Endless>());
+  long during = 0;
+  SessionSettings set = quick();
+  set.end_tick = 50;
+  set.interrupted = [&] { return during = std::max(during, locked_kB()), false; };
+  const SessionFigures f = run_realtime(rig.lanes(), set, {});
+  EXPECT_EQ(locked_kB(), 0);
+  if (f.scheduling.find("memory locked") == std::string::npos) GTEST_SKIP() << "no memory can be locked here";
+  EXPECT_GT(during, 1000);
 }
 
 }  // namespace test_session

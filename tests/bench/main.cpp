@@ -133,7 +133,11 @@ int run_main(int argc, char** argv) {
   c->add_option("--limit-s", o->with.limit_s, "accuracy: CPU time after which no new trial begins (default 150)")
       ->type_name("S")
       ->check(number_from(0.1, 1e6));
-  c->add_option("--operations", o->with.operations, "fuzz: how many (default 20000; --quick 2000)")
+  c->add_option("--minutes", o->with.minutes, "soak: for so long (default 120; --quick 2), a third of it live")
+      ->type_name("N")
+      ->check(number_from(0.01, 1e5));
+  c->add_option("--operations", o->with.operations,
+                "fuzz, soak: how many (default 20000, 10000 acts; --quick 2000, 1000)")
       ->type_name("N")
       ->check(whole_from(1, 1'000'000'000'000));
   c->add_flag(

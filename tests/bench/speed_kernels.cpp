@@ -7,6 +7,7 @@
 #include "sim/fem/elements/element_system.h"
 #include "sim/fem/preconditioner/cholesky.h"
 #include "sim/fem/solver/lbfgs_solver.h"
+#include "sim/testing/direct_factor.h"
 #include "tests/bench/speed_parts.h"
 
 namespace limberg::bench {

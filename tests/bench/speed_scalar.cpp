@@ -5,7 +5,7 @@
 #include <deque>
 
 #include "app/operating_point/cpu_clock.h"
-#include "sim/fem/preconditioner/cholesky.h"
+#include "sim/testing/direct_factor.h"
 #include "tests/bench/speed_parts.h"
 
 namespace limberg::bench {

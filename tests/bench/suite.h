@@ -26,6 +26,7 @@ struct SuiteOptions {
   uint64_t seed = 1;
   // accuracy
   double budget_ms = 0, limit_s = 150;
+  double minutes = 0;  // soak; 0: the suite's own number
   std::function<void(const std::string&)> progress;
 };
 

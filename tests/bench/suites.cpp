@@ -22,8 +22,10 @@
 #include "tests/bench/metric.h"
 #include "tests/bench/session_latency.h"
 #include "tests/bench/simplex.h"
+#include "tests/bench/soak/soak.h"
 #include "tests/bench/speed.h"
 #include "tests/bench/stability.h"
+#include "tests/bench/start/start.h"
 #include "tests/bench/suite.h"
 #include "tests/bench/verification.h"
 
@@ -159,6 +161,15 @@ SuiteOutcome run_fuzz(const Options& o) {
   return out;
 }
 
+SuiteOutcome run_soak(const Options& o) {
+  catch_interrupts();  // what was done by then is reported
+  SoakSettings s;
+  s.minutes = o.minutes > 0 ? o.minutes : o.quick ? 2 : s.minutes;
+  s.acts = o.operations > 0 ? o.operations : o.quick ? 1000 : s.acts;
+  s.only = o.only, s.out_dir = o.out_dir, s.progress = o.progress, s.stop = interrupted;
+  return soak(s);
+}
+
 constexpr Suite kSuites[] = {
     {"accuracy", "error against run time on a scene, and the setting that fits a frame", "", true, run_accuracy},
     {"contact", "overlap and cost of operations with wound surfaces that keep each other out",
@@ -183,12 +194,19 @@ constexpr Suite kSuites[] = {
        return only(laws({o.quick, o.progress}));
      }},
     {"simplex", "what simplex meshes cost, and random operators on them", "", false, run_simplex},
+    {"soak", "hours of emulated operations in one process: memory, times, hashes; and 10,000 acts with undo",
+     "lockstep, live, acts", false, run_soak},
     {"speed", "the elasticity solver against full Newton, and the 60 Hz drag",
      "pull 2k, pull 8k, pull 30k, kernels, profile, scalar, workers, locking, slab, flap, region, bullet, drag 8k, "
      "drag "
      "30k, drag 100k",
      false, run_speed},
     {"stability", "what tissue comes back from, beside full Newton", "a family of cases", false, run_stability},
+    {"start", "peak memory and start time of the program, by scene, with and without pictures",
+     "program, tiny, or a scene", false,
+     [](const Options& o) {
+       return start({o.quick, o.only, o.progress});
+     }},
     {"verification", "closed forms, published values, CalculiX", "", false,
      [](const Options& o) {
        return only(verification({o.quick, o.progress}));

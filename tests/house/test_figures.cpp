@@ -47,6 +47,21 @@ std::string result(const std::string& call, double value, bool pass) {
   return s.str();
 }
 
+TEST_F(Figures, ATableAndItsPicturesAreKeptWhereTheyAreTheFigures) {
+  std::string text = result("limberg bench speed", 1, true);
+  text.replace(text.find("\"speed\""), 7, "\"start\"");
+  text.replace(text.find(R"({"case":"long"})"), 15,
+               R"({"case":"tiny","method":"plain","time_ms":12.34,"error":33,"error_unit":"MB","settings":"a | b"})");
+  const std::string r = file("r.json", text);
+  file("start-memory.svg", "<svg/>"), file("other-memory.svg", "<svg/>");
+  bench::keep_result(r, kept(), {"2026-11-23", ""});
+  EXPECT_TRUE(fs::exists(fs::path(kept()) / "start-memory.svg"));
+  EXPECT_FALSE(fs::exists(fs::path(kept()) / "other-memory.svg"));
+  const std::string page = bench::figures_text(kept());
+  EXPECT_NE(page.find("| tiny | plain | 12.3 | 33 MB | a \\| b |"), std::string::npos) << page;
+  EXPECT_NE(page.find("(figures/start-memory.svg)"), std::string::npos) << page;
+}
+
 TEST_F(Figures, ABarOfAResultStandsInThePage) {
   const std::string page =
       file("page.md", std::string("before\n\n") + bench::kFiguresBegin + "\nold\n" + bench::kFiguresEnd + "\nafter\n");

@@ -79,18 +79,12 @@ std::string offences(const std::vector<Include>& all, const Rule& allowed) {
 
 // What devices and render may know of the patient.
 bool read_only_sim(const std::string& t) {
-  static const std::set<std::string> files{"sim/patient/snapshot.h",
-                                           "sim/patient/ground_index.h",
-                                           "sim/patient/press.h",
-                                           "sim/base/elementary.h",
-                                           "sim/base/error.h",
-                                           "sim/base/hash.h",
-                                           "sim/base/whole_file.h",
-                                           "sim/cutting/arrangement/surface_view.h",
-                                           "sim/fem/model/fem_model.h",
-                                           "sim/commands/command.h",
-                                           "sim/commands/head_command.h",
-                                           "sim/commands/script.h"};
+  static const std::set<std::string> files{
+      "sim/patient/snapshot.h",    "sim/patient/ground_index.h", "sim/patient/press.h",
+      "sim/base/elementary.h",     "sim/base/error.h",           "sim/base/hash.h",
+      "sim/base/part.h",           "sim/base/whole_file.h",      "sim/cutting/arrangement/surface_view.h",
+      "sim/fem/model/fem_model.h", "sim/commands/command.h",     "sim/commands/head_command.h",
+      "sim/commands/script.h"};
   return files.contains(t) || t.starts_with("sim/geometry/") || t.starts_with("sim/body/");
 }
 

@@ -30,6 +30,7 @@ const FragmentShape& Bones::shape(int32_t id) const {
 
 Outcome Bones::grab(int32_t id) {
   if (held_ >= 0) return refused("fragment " + std::to_string(held_) + " is held already");
+  if (const std::string why = why_no_physics(); !why.empty()) return refused(why);
   const Fragment* f = fragment(id);
   if (!f) return refused(no_fragment(id));
   for (int32_t i : plated(id))
@@ -63,7 +64,7 @@ Outcome Bones::grab(int32_t id) {
     p.centre_mm /= volume;
     parts.push_back(std::move(p));
   }
-  auto hold = std::unique_ptr<Held>(new Held{std::move(ids), std::move(offset), part, RigidWorld(parts, part)});
+  auto hold = std::unique_ptr<Held>(new Held{std::move(ids), std::move(offset), part, make_rigid_world(parts, part)});
   before_grab_ = now_;
   hold_ = std::move(hold);
   held_ = id;
@@ -74,16 +75,16 @@ void Bones::drag(int32_t id, const Eigen::Isometry3d& wanted) {
   if (id != held_ || held_ < 0 || !wanted.matrix().allFinite()) return;
   const auto& ids = hold_->ids[hold_->part];
   const size_t k = size_t(std::find(ids.begin(), ids.end(), id) - ids.begin());
-  hold_->world.want(wanted * hold_->offset[hold_->part][k].inverse());
+  hold_->world->want(wanted * hold_->offset[hold_->part][k].inverse());
 }
 
 void Bones::step(double dt) {
   if (held_ < 0) return;
-  hold_->world.step(dt);
+  hold_->world->step(dt);
   for (size_t p = 0; p < hold_->ids.size(); ++p)
     for (size_t k = 0; k < hold_->ids[p].size(); ++k) {
       Fragment& f = now_.fragments[size_t(index(hold_->ids[p][k]))];
-      f.pose = k == 0 ? hold_->world.pose(p) : Eigen::Isometry3d(hold_->world.pose(p) * hold_->offset[p][k]);
+      f.pose = k == 0 ? hold_->world->pose(p) : Eigen::Isometry3d(hold_->world->pose(p) * hold_->offset[p][k]);
     }
 }
 
@@ -128,7 +129,7 @@ ActedOnBone Bones::release(int32_t id, bool snap) {
   return finish(std::move(change), std::move(words));
 }
 
-RigidFigures Bones::physics_figures() const { return hold_ ? hold_->world.figures() : RigidFigures{}; }
+RigidFigures Bones::physics_figures() const { return hold_ ? hold_->world->figures() : RigidFigures{}; }
 
 std::vector<Gap> Bones::gaps() const {
   std::vector<Gap> out;

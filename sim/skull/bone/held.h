@@ -12,7 +12,7 @@ struct Bones::Held {
   std::vector<std::vector<int32_t>> ids;
   std::vector<std::vector<Eigen::Isometry3d>> offset;
   size_t part = 0;  // the one in the hand
-  RigidWorld world;
+  std::unique_ptr<RigidWorld> world;
 };
 
 }  // namespace limberg::bone

@@ -1,5 +1,6 @@
 #pragma once
-// The Bullet world of the fragments while one of them is held. No Bullet header is included here.
+// The Bullet world of the fragments while one of them is held. No Bullet header is included here, and no Bullet is
+// loaded before the first world is made: it is a part of its own (base/part.h, bullet/bullet_world.cpp).
 //
 // A fragment is a compound of convex pieces: under every face of its surface a prism, from
 // kInset_mm under the surface to at most kThick_mm (never more than 45 % of the bone's thickness
@@ -14,7 +15,7 @@
 //
 // Bullet computes in floats; lengths are in cm there, so that its tolerances (tuned for bodies of 0.05 to 10) fit.
 #include <memory>
-#include <span>
+#include <string>
 #include <vector>
 
 #include "sim/geometry/vec.h"
@@ -39,17 +40,17 @@ class RigidWorld {
   static constexpr double kInset_mm = 0.25, kMargin_mm = 0.1, kThick_mm = 2, kStride_mm = 0.4;
   static constexpr int kMostSubsteps = 64;
 
-  /// `held` is an index into parts.
-  RigidWorld(const std::vector<RigidPart>& parts, size_t held);
-  ~RigidWorld();
-  void want(const Eigen::Isometry3d& pose);
-  void step(double dt_s);
-  Eigen::Isometry3d pose(size_t part) const;
-  RigidFigures figures() const;
-
- private:
-  struct Inside;
-  std::unique_ptr<Inside> in_;
+  virtual ~RigidWorld() = default;
+  virtual void want(const Eigen::Isometry3d& pose) = 0;
+  virtual void step(double dt_s) = 0;
+  virtual Eigen::Isometry3d pose(size_t part) const = 0;
+  virtual RigidFigures figures() const = 0;
 };
+
+/// Why no fragment can be held here: what is missing and what was expected. Empty: they can.
+std::string why_no_physics();
+
+/// `held` is an index into parts. Throws std::runtime_error with why_no_physics().
+std::unique_ptr<RigidWorld> make_rigid_world(const std::vector<RigidPart>& parts, size_t held);
 
 }  // namespace limberg::bone

@@ -74,8 +74,8 @@ int draw_in_a_window(const std::string& file) {
   setenv("DISPLAY", server.display.c_str(), 1);
   unsetenv("WAYLAND_DISPLAY");
   try {
-    GlfwScreen screen("test", kWidth, kHeight);
-    Renderer renderer(screen.context());
+    const std::unique_ptr<DesktopScreen> screen = open_glfw_screen("test", kWidth, kHeight);
+    Renderer renderer(screen->context());
     if (renderer.describe().find("llvmpipe") == std::string::npos) return 2;
     const std::vector<Image> drawn = pictures(renderer);
     renderer.present(kWidth, kHeight);

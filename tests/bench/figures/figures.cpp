@@ -83,6 +83,34 @@ std::string cell(std::string text) {
 
 std::string number(const Json& v) { return v.is_number() ? fmt::format("{:.3g}", v.get<double>()) : "not a number"; }
 
+/// Suites whose figures are a table, beside bars.
+bool is_table(const std::string& suite) { return suite == "soak" || suite == "start"; }
+
+std::string table(const Json& rows) {
+  std::string text = "\n| case | method | ms | | |\n|---|---|---|---|---|\n";
+  for (const Json& r : rows)
+    text += fmt::format("| {} | {} | {} | {} {} | {} |\n", cell(r.at("case").get<std::string>()),
+                        cell(r.at("method").get<std::string>()), number(r.at("time_ms")), number(r.at("error")),
+                        cell(r.at("error_unit").get<std::string>()), cell(r.at("settings").get<std::string>()));
+  return text;
+}
+
+/// Pictures that the bench has left beside its result, NAME-*.svg of a suite NAME: kept with it.
+Json keep_pictures(const std::string& result_file, const std::string& suite, const std::string& folder) {
+  Json names = Json::array();
+  std::vector<fs::path> files;
+  const fs::path beside = fs::path(result_file).parent_path();
+  for (const auto& e : fs::directory_iterator(beside.empty() ? "." : beside))
+    if (e.path().extension() == ".svg" && e.path().filename().string().starts_with(suite + "-"))
+      files.push_back(e.path());
+  std::sort(files.begin(), files.end());
+  for (const fs::path& f : files) {
+    fs::copy_file(f, fs::path(folder) / f.filename(), fs::copy_options::overwrite_existing);
+    names.push_back(f.filename().string());
+  }
+  return names;
+}
+
 std::string section(const std::string& name, const Json& m) {
   std::string text =
       fmt::format("### {}\n\n`{}`,\n{}, {} cores, {}, version {} ({}).", name, m.at("call").get<std::string>(),
@@ -96,6 +124,10 @@ std::string section(const std::string& name, const Json& m) {
                         bar.value("at_least", false) ? "> " : "", number(bar.at("value")),
                         bar.value("larger_is_better", true) ? "at least" : "at most", number(bar.at("bar")),
                         bar.at("pass").get<bool>() ? "met" : "**missed**");
+  if (m.contains("rows")) text += table(m.at("rows"));
+  for (const Json& picture : m.value("pictures", Json::array()))
+    text += fmt::format("\n![{}](figures/{})\n", fs::path(picture.get<std::string>()).stem().string(),
+                        picture.get<std::string>());
   return text;
 }
 
@@ -126,6 +158,16 @@ std::string keep_result(const std::string& result_file, const std::string& folde
       kept["bars"].push_back(b);
     }
     fs::create_directories(folder);
+    if (is_table(suite)) {
+      kept["rows"] = Json::array();
+      for (const Json& row : result.at("rows")) {
+        Json r;
+        for (const char* key : {"case", "method", "time_ms", "error", "error_unit", "settings"}) r[key] = row.at(key);
+        kept["rows"].push_back(r);
+      }
+      if (const Json pictures = keep_pictures(result_file, suite, folder); !pictures.empty())
+        kept["pictures"] = pictures;
+    }
     const std::string file = folder + "/" + name_of(settings) + ".json";
     write_whole_file(file, kept.dump(1) + "\n");
     return file;

@@ -4,7 +4,8 @@
 //   keep_result("out/speed.json", "docs/figures", {...});      // the bars of a result, as a small JSON file
 //   write_page("docs/figures", "docs/figures.md");             // the page, between its markers
 //
-// One file holds one measurement: suite, call, machine, date, version, bars. A second measurement by the same call
+// One file holds one measurement: suite, call, machine, date, version, bars; of soak and start their rows, and the
+// pictures that lie beside the result, as well. A second measurement by the same call
 // takes the place of the first. earlier.json in the folder maps suites to the date of their last figures; the page
 // names them for suites without a whole measurement.
 #include <string>

@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "sim/cutting/arrangement/fault.h"
+#include "sim/patient/history.h"
 #include "sim/patient/soft_tissue.h"
 #include "sim/patient/world.h"
 #include "sim/skull/head/head.h"
@@ -260,6 +261,18 @@ TEST(History, WhatIsThereIsWhatRemainsOfTheActs) {
   EXPECT_GT(n.redone, 8 * seeds);
   EXPECT_GT(n.nothing, 0);
   EXPECT_GT(n.failed, 0);
+}
+
+TEST(History, KeepsTheNewestThousandActs) {
+  History<int> past;
+  const int all = int(History<int>::kMost) + 3;
+  for (int k = 0; k < all; ++k) past.make_room(), past.push(k);
+  int taken = 0, oldest = all;
+  for (; past.can_undo(); ++taken) oldest = past.last(), past.went_back();
+  EXPECT_EQ(taken, int(History<int>::kMost));
+  EXPECT_EQ(oldest, 3);
+  for (int k = 3; past.can_redo(); ++k) EXPECT_EQ(past.last_undone(), k), past.went_forth();
+  EXPECT_EQ(past.last(), all - 1);
 }
 
 }  // namespace test_history

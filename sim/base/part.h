@@ -1,0 +1,25 @@
+#pragma once
+// Parts of the program that few sessions need, each a small library of its own: opened when it is first needed and
+// kept. A session without it neither maps nor starts what the part links.
+//
+//   limberg-bullet.so   bones that a hand holds (Bullet)     limberg-glfw.so   a window (GLFW, X11)
+//   limberg-lcm.so      LCM's own library (GLib)
+//
+// A part is an implementation of a class of virtual functions, made by one function with C linkage. It includes the
+// program's headers and links none of its libraries.
+//
+// Parts lie in the folder parts/ beside the program or above it (a build), or in ../lib/limberg (an installation), and
+// nowhere else: neither the working folder nor LD_LIBRARY_PATH is asked.
+#include <string>
+
+namespace limberg {
+
+struct LoadedPart {
+  void* entry = nullptr;  // null: it cannot be had
+  std::string why;        // then: what is missing, and what was expected
+};
+
+/// `name`: "bullet"; `entry`: the function that makes it; `needs`: "Bullet (Debian: libbullet-dev)".
+LoadedPart load_part(const std::string& name, const char* entry, const std::string& needs);
+
+}  // namespace limberg
