@@ -147,6 +147,9 @@ void LogWriter::refused(int error_number, size_t done) noexcept {
   std::snprintf(kept_words, sizeof kept_words, "); the %lld events before that are kept",
                 static_cast<long long>(events_ - int64_t(lengths_.size())));
   say_error("cannot be written (", std::strerror(error_number), kept_words);
+  if (!given_up_) return;
+  events_ -= int64_t(lengths_.size());
+  buffer_.clear(), lengths_.clear();
 }
 
 void LogWriter::say_error(const char* what, const char* more, const char* end) noexcept {
