@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <atomic>
+#include <new>
 #include <numeric>
 
 namespace limberg::fem {
@@ -137,6 +138,8 @@ void Preconditioner::submit(double mass_per_s2) {
         result->ordered_bytes = factor->panels.bytes();
       }
       result->factor = std::move(factor);
+    } catch (const std::bad_alloc&) {
+      throw;  // what a session comes to must not depend on what else takes memory
     } catch (const std::exception&) {
       result->factor.reset();  // the cycle stays in use
     }

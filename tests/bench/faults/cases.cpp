@@ -29,6 +29,8 @@ poisson = 0.45
 cell_mm = 10
 )";
 
+constexpr size_t kFastrak = 5, kLcm = 6;  // in calls()
+
 constexpr const char* kScript = R"({"limberg_script":1,"scene":"tiny"}
 {"action":"hook","id":1,"at":[3,4]}
 {"action":"move","id":1,"to":[5,7,4],"seconds":0.3}
@@ -52,6 +54,7 @@ const std::vector<Call>& calls() {
        "result.json",
        "",
        "r.lcm",
+       "tiny.toml",
        true},
       {"run --continue",
        {"run", "--continue", "%/cut.lcm", "--headless", "--device", "emulated:%/tiny.jsonl", "--seconds", "1.5",
@@ -60,6 +63,7 @@ const std::vector<Call>& calls() {
        "result.json",
        "cut.lcm",
        "c.lcm",
+       "cut.lcm",
        true},
       {"emulate",
        {"emulate", "%/tiny.toml", "%/tiny.jsonl", "--out", "@/rec/e.lcm", "--json", "@/result.json", "--workers", "2"},
@@ -67,11 +71,13 @@ const std::vector<Call>& calls() {
        "result.json",
        "",
        "e.lcm",
+       "tiny.toml",
        false},
       {"replay",
        {"replay", "%/live.lcm", "--json", "@/result.json", "--workers", "2"},
        "",
        "result.json",
+       "live.lcm",
        "live.lcm",
        "live.lcm",
        false},
@@ -81,7 +87,28 @@ const std::vector<Call>& calls() {
        "result.json",
        "",
        "tiny.jsonl",
-       false}};
+       "tiny.toml",
+       false},
+      {"run (FASTRAK)",
+       {"run", "%/tiny.toml", "--headless", "--device", "fastrak:@/port,fts", "--seconds", "1.6", "--record",
+        "@/rec/f.lcm", "--json", "@/result.json", "--workers", "2"},
+       "rec/f.lcm",
+       "result.json",
+       "",
+       "f.lcm",
+       "tiny.toml",
+       true,
+       Call::fastrak},
+      {"run (LCM)",
+       {"run", "%/tiny.toml", "--headless", "--device", "lcm:udpm://239.255.76.67:~?ttl=0", "--seconds", "1.6",
+        "--record", "@/rec/l.lcm", "--json", "@/result.json", "--workers", "2"},
+       "rec/l.lcm",
+       "result.json",
+       "",
+       "l.lcm",
+       "tiny.toml",
+       true,
+       Call::lcm}};
   return all;
 }
 
@@ -101,7 +128,11 @@ const std::vector<KindName>& kinds() {
       {Kind::crashed, "SIGSEGV", "at any moment"},
       {Kind::aborted, "SIGABRT", "at any moment"},
       {Kind::stopped, "SIGSTOP", "at any moment, for 50 to 1000 ms"},
-      {Kind::folder_removed, "folder removed", "the recording's folder, with the recording in it"}};
+      {Kind::folder_removed, "folder removed", "the recording's folder, with the recording in it"},
+      {Kind::device_pulled, "device pulled", "and plugged in again after 20 to 800 ms"},
+      {Kind::packets_lost, "packets lost", "one in two to twenty"},
+      {Kind::packets_doubled, "packets doubled", "one in two to twenty"},
+      {Kind::packets_reordered, "packets reordered", "one in two to twenty"}};
   return all;
 }
 
@@ -131,7 +162,7 @@ Case case_of(uint64_t seed, int64_t number, const std::vector<Counts> (&counts)[
     // In turn, so that each kind meets each call, until a call that never does what fails was passed over.
     c.kind = kinds()[size_t(number % int64_t(kinds().size()))].kind;
     // Calls against the clock take seconds each, the others a twentieth: half of the cases are theirs.
-    c.call = size_t(one_of({0, 0, 1, 2, 2, 2, 3, 4}));
+    c.call = size_t(one_of({0, 0, 1, 2, 2, 2, 3, 4, below(2) == 0 ? 0 : int64_t(kFastrak)}));
     c.early = c.kind == Kind::no_thread || (c.kind == Kind::no_memory && below(3) == 0) || below(8) == 0;
     const Counts& n = counts[c.early][c.call];
     int64_t most = n.readings;
@@ -168,6 +199,14 @@ Case case_of(uint64_t seed, int64_t number, const std::vector<Counts> (&counts)[
         break;
       case Kind::folder_removed:
         if (calls()[c.call].recording.empty()) most = 0;
+        break;
+      case Kind::device_pulled:
+        c.call = kFastrak, most = 1600, c.more = 20 + below(780);
+        break;
+      case Kind::packets_lost:
+      case Kind::packets_doubled:
+      case Kind::packets_reordered:
+        c.call = kLcm, most = 1600, c.more = 2 + below(18);
         break;
       case Kind::no_memory: {
         std::vector<int> busy;

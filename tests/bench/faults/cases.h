@@ -15,8 +15,9 @@ struct Call {
   std::vector<std::string> words;
   std::string recording, result;  // in the case's folder; empty: none
   std::string reads;              // a recording in the common folder that must not change; empty: none
-  const char* begins;             // the file whose opening is the beginning of its work
+  const char *begins, *starts;    // the files whose opening is the beginning of its work, and of all
   bool live;                      // against the clock
+  enum Device { none, fastrak, lcm } device = none;  // that whoever starts it serves
 };
 const std::vector<Call>& calls();
 
@@ -35,7 +36,7 @@ struct Case {
   Kind kind = Kind::none;
   int64_t at = 0, more = 0;
   int thread = 0;
-  bool early = false;  // counted from the reading of the scene, not from the beginning of its work
+  bool early = false;  // counted from its start, not from the beginning of its work
   std::string fault() const;
 };
 
@@ -46,7 +47,7 @@ struct Counts {
 };
 Counts counts_of(const Journal& journal);
 
-/// The number-th case of a seed. `counts` by call, twice: from the beginning of its work, from the reading of the scene.
+/// The number-th case of a seed. `counts` by call, twice: from the beginning of its work, from its start.
 Case case_of(uint64_t seed, int64_t number, const std::vector<Counts> (&counts)[2]);
 
 /// Writes scene and script into a folder.

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <deque>
@@ -14,9 +15,13 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <random>
+#include <utility>
 
 #include "app/program/places.h"
 #include "app/program/temporary_folder.h"
+#include "devices/fastrak/port.h"
+#include "devices/lcm_publisher.h"
 #include "devices/monotonic.h"
 #include "devices/recording.h"
 #include "sim/base/whole_file.h"
@@ -61,10 +66,62 @@ struct Reference {
   int64_t end_tick = 0, readings = 0;  // of the session; of a clock meanwhile
 };
 
+/// The other end of a device: a FASTRAK on a pseudo-terminal behind a link that stays, or a stylus over LCM.
+class ServedDevice {
+ public:
+  ServedDevice(Call::Device device, const Case& c, const std::string& folder, int port)
+      : case_(c), link_(folder + "/port"), port_(std::to_string(port)), random_(uint64_t(c.number)) {
+    if (device == Call::fastrak) line_ = std::make_unique<fastrak::EmulatedPort>(fastrak::hand_at_work(1)), lay();
+    if (device == Call::lcm)
+      stylus_ = std::make_unique<LcmPublisher>("udpm://239.255.76.67:" + port_ + "?ttl=0", false);
+  }
+  const std::string& port() const { return port_; }
+  int64_t faults() const { return faults_; }
+  /// So long after the start; `at_work`: the program has begun its work.
+  void serve(int64_t ns, bool at_work) {
+    if (at_work && began_ns_ < 0) began_ns_ = ns;
+    const int64_t ms = began_ns_ < 0 ? -1 : (ns - began_ns_) / 1'000'000;
+    if (line_ && case_.kind == Kind::device_pulled && ms >= case_.at && !pulled_) {
+      pulled_ = true, ++faults_;
+      ::unlink(link_.c_str());
+      line_->unplug();
+    }
+    if (line_ && pulled_ && !laid_again_ && ms >= case_.at + case_.more) laid_again_ = true, lay();
+    if (stylus_ && ns - sent_ns_ > 8'000'000) sent_ns_ = ns, send(double(ns) * 1e-9);
+  }
+
+ private:
+  void lay() {
+    std::error_code ec;
+    fs::remove(link_, ec);
+    fs::create_symlink(line_->path(), link_, ec);
+  }
+  void send(double t) {
+    StylusSample s;
+    s.device_id = 3, s.seq = seq_++, s.t_ns = monotonic_ns();
+    s.tip_mm = Vec3(10 * std::sin(t), 10 * std::cos(t), 6);
+    const bool now = case_.more > 0 && random_() % uint64_t(case_.more) == 0;
+    if (now && case_.kind == Kind::packets_lost) return void(++faults_);
+    if (now && case_.kind == Kind::packets_reordered && !later_) return void((++faults_, later_ = s));
+    stylus_->publish(s);
+    if (now && case_.kind == Kind::packets_doubled) ++faults_, stylus_->publish(s);
+    if (later_) stylus_->publish(*std::exchange(later_, std::nullopt));
+  }
+  const Case case_;
+  const std::string link_, port_;
+  std::mt19937_64 random_;
+  std::unique_ptr<fastrak::EmulatedPort> line_;
+  std::unique_ptr<LcmPublisher> stylus_;
+  std::optional<StylusSample> later_;
+  bool pulled_ = false, laid_again_ = false;
+  int64_t began_ns_ = -1, sent_ns_ = 0, seq_ = 0, faults_ = 0;
+};
+
 struct Process {
   Case of;
   std::string folder;
   std::unique_ptr<MappedJournal> journal;
+  std::unique_ptr<ServedDevice> device;
   pid_t pid = -1;
   int64_t began_ns = 0, stopped_ns = 0;
   bool again = false;  // the replay of what the case left
@@ -105,13 +162,13 @@ class Harness {
   Case scaled(Case c) const {
     if (c.at >= 0) return c;
     const Counts& n = counts_[c.early][c.call];
-    const int64_t of = c.kind == Kind::plant_hold ? 100 : n.readings;
+    const int64_t of = c.kind == Kind::no_memory ? n.allocations[size_t(c.thread)] : n.readings;
     c.at = std::max<int64_t>(1, -c.at * of / 100);
-    if (c.kind == Kind::plant_hold) c.at = 1;
     return c;
   }
 
-  pid_t start(const std::vector<std::string>& words, const std::string& folder, const Case* fault, const char* arm) {
+  pid_t start(const std::vector<std::string>& words, const std::string& folder, const Case* fault, const char* arm,
+              const std::string& port = "") {
     const pid_t pid = ::fork();
     if (pid != 0) return pid;
     const auto to = [](const std::string& file, int fd) {
@@ -132,8 +189,8 @@ class Harness {
     }
     std::vector<std::string> text{program_};
     for (std::string w : words) {
-      if (w[0] == '@') w = folder + w.substr(1);
-      if (const size_t at = w.find('%'); at != std::string::npos) w = w.substr(0, at) + common() + w.substr(at + 1);
+      for (const auto& [mark, stands_for] : {std::pair<char, std::string>{'@', folder}, {'%', common()}, {'~', port}})
+        if (const size_t at = w.find(mark); at != std::string::npos) w.replace(at, 1, stands_for);
       text.push_back(w);
     }
     std::vector<char*> argv;
@@ -150,7 +207,8 @@ class Harness {
     fs::create_directories(p->folder + "/rec");
     p->journal = std::make_unique<MappedJournal>(p->folder + "/journal");
     p->began_ns = monotonic_ns();
-    p->pid = start(call(*p).words, p->folder, &c, c.early ? "tiny.toml" : call(*p).begins);
+    p->device = std::make_unique<ServedDevice>(call(*p).device, c, p->folder, 17'000 + int(begun_ % 4000));
+    p->pid = start(call(*p).words, p->folder, &c, c.early ? call(*p).starts : call(*p).begins, p->device->port());
     running_.push_back(std::move(p));
   }
 
@@ -159,6 +217,7 @@ class Harness {
       int status = 0;
       const pid_t ended = ::waitpid(p->pid, &status, WNOHANG | WUNTRACED);
       const int64_t now = monotonic_ns();
+      if (p->device) p->device->serve(now - p->began_ns, (*p->journal)->armed != 0);
       if (ended == p->pid && WIFSTOPPED(status)) {
         p->stopped_ns = now;
         continue;
@@ -202,7 +261,7 @@ class Harness {
     const Call& c = call(p);
     const Journal& did = **p.journal;
     const std::string said = words_in(p.folder + "/err");
-    j.status = status, j.reached = did.injected > 0;
+    j.status = status, j.reached = did.injected > 0 || p.device->faults() > 0;
     j.said = said.substr(said.size() - std::min<size_t>(said.size(), 400));
     p.pid = -1;
     const auto finding = [&](bool& of, const std::string& why) {
@@ -300,7 +359,11 @@ class Harness {
         const MappedJournal journal(folder + "/journal");
         const Case none;
         int status = 0;
-        ::waitpid(start(c.words, folder, &none, early ? "tiny.toml" : c.begins), &status, 0);
+        ServedDevice device(c.device, none, folder, 16'000 + int(i));
+        const int64_t began_ns = monotonic_ns();
+        const pid_t pid = start(c.words, folder, &none, early ? c.starts : c.begins, device.port());
+        while (::waitpid(pid, &status, WNOHANG) == 0)
+          device.serve(monotonic_ns() - began_ns, journal->armed != 0), ::usleep(1000);
         const nlohmann::json result = result_of(folder + "/" + c.result);
         if (status != 0 || journal->armed == 0)
           throw InputError("", 0,

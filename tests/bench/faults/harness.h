@@ -32,8 +32,7 @@ struct Settings {
   int64_t cases = 2000;
   uint64_t seed = 1;
   int at_once = 6;
-  std::vector<Case>
-      only;  // these instead of seeded ones; their at counts in percent of the call without fault when < 0
+  std::vector<Case> only;  // these instead of seeded ones; `at` < 0: percent of what the call does without a fault
   std::function<void(const std::string&)> progress;
   std::function<bool()> stop;
 };

@@ -37,6 +37,11 @@ enum class Kind : int {
   aborted,         // the same: SIGABRT
   stopped,         // the same: SIGSTOP; whoever started it sends SIGCONT after `more` ms
   folder_removed,  // the same: the recording's folder, with all that is in it
+  // Of a device, by whoever serves it (harness.cpp); `at` is in ms then:
+  device_pulled,      // the line is taken away, and another laid after `more` ms
+  packets_lost,       // one in `more`
+  packets_doubled,    // the same
+  packets_reordered,  // the same: one comes after its follower
   // Not faults of a machine but defects, planted to see that they are found:
   plant_hold,   // what is written to the recording stays in the process
   plant_hang,   // at the at-th reading: for ever
