@@ -149,7 +149,13 @@ void Preconditioner::submit(double mass_per_s2) {
 }
 
 void Preconditioner::adopt() {
-  pending_->job->wait();
+  try {
+    pending_->job->wait();
+  } catch (...) {  // no memory: who goes on all the same, goes on with the cycle
+    pending_.reset();
+    now_.has_no_factor = true;
+    throw;
+  }
   if (pending_->result->factor) {
     now_.factor = pending_->result->factor;
     now_.folded = std::move(pending_->folded);
