@@ -1,6 +1,7 @@
 #include "app/commands/command_line.h"
 
 #include <cxxabi.h>
+#include <execinfo.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <unistd.h>
@@ -99,6 +100,10 @@ int run_command_line(CLI::App& app, std::vector<std::string> words, const Chosen
 
 int run_framed(const std::function<int()>& body) {
   std::set_terminate(end_without_memory);
+  // The C library loads what it unwinds with when it first does, through std::call_once say, and ends the program where
+  // there is no memory for that: so at once.
+  void* here = nullptr;
+  backtrace(&here, 1);
   keep_standard_files();
   show_standard_output();
   try {

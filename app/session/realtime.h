@@ -20,8 +20,8 @@ struct RealTimeSettings {
 };
 
 /// `before_start` is called once everything is ready, with CLOCK_MONOTONIC of the first tick in ns: the place to start
-/// live sources. SessionFailure: one of the threads, this one among them, could not go on; the others were told to end and
-/// have ended, and the recording is closed without an end.
+/// live sources. SessionFailure: one of the threads, this one among them, could not go on; the others were told to end
+/// and have ended, and the recording is closed without an end.
 SessionFigures run_realtime(SessionLanes lanes, const SessionSettings& settings, const RealTimeSettings& real_time,
                             const std::function<void(int64_t start_ns)>& before_start = {});
 
