@@ -27,9 +27,6 @@ Recording open_session(const std::string& file) {
         "no valid record of a session in it; expected a recording made by limberg run --record or limberg emulate");
   if (rec.samples.empty())
     throw InputError(file, 0, "no valid record of a sample in it; expected a stream of stylus samples");
-  if (rec.damage.total() > 0) say(describe(rec.damage, file));
-  if (!rec.end && rec.damage.total() == 0)
-    say(file + ": has no end record: the session was cut short; what is there is replayed");
   return rec;
 }
 
@@ -39,6 +36,9 @@ void take_session(SessionCall& call, const Recording& rec, const std::string& fi
     throw InputError(file, 0,
                      "its scene is not the one that it was recorded with (hash " + hex(u.scene.hash) + ", recorded " +
                          hex(rec.session->scene_hash) + "); expected an unchanged recording");
+  if (rec.damage.total() > 0) say(describe(rec.damage, file));
+  if (!rec.end && rec.damage.total() == 0)
+    say(file + ": has no end record: the session was cut short; what is there is replayed");
   call.scene = std::move(u.scene);
   call.scene_files = u.files;
   call.calibration = unbundle_calibration(rec, file);

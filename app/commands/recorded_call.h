@@ -6,10 +6,10 @@
 
 namespace limberg {
 
-/// Reads it and says what is wrong with it. InputError: it cannot be read, or holds no session or no sample.
+/// Reads it. InputError: it cannot be read, or holds no session or no sample.
 Recording open_session(const std::string& file);
 
-/// Scene, calibration, rates and expected hashes of it. InputError: its scene is not whole.
+/// Scene, calibration, rates and expected hashes of it; says what is damaged. InputError: its scene is not whole.
 void take_session(SessionCall& call, const Recording& recording, const std::string& file);
 
 /// Its samples: as its threads took them then, where they were recorded so, are whole and `as_it_was`; else as a source

@@ -108,11 +108,11 @@ SessionCall continued(const std::string& file) {
 
 int run_session(const RunOptions& o) {
   o.common.prepare();
+  if (!o.continued.empty() && o.automatic.on)
+    throw InputError("", 0, "--auto with --continue; expected a session that goes on with the cells that it had");
   SessionCall call = o.continued.empty() ? SessionCall{} : continued(given_or_shipped(o.continued));
   call.command = "run";
   call.real_time = true;
-  if (call.goes_on && o.automatic.on)
-    throw InputError("", 0, "--auto with --continue; expected a session that goes on with the cells that it had");
   if (!call.goes_on) {
     call.scene = open_scene(o.scene);
     if (!o.calibration.empty()) call.calibration = load_calibration(o.calibration);
