@@ -333,7 +333,8 @@ class Harness {
       finding(j.lost, fmt::format("{} ms of {} recorded", has_ms, from_ms + had_ms));
     if (status == 0 && rec->end && result.value("state_hash", "") != fmt::format("{:016x}", rec->end->hash))
       finding(j.wrong, "its result is not that of its recording");
-    if (s.usable()) again_ = file;
+    // A device that was pulled before it said anything leaves a session without a hand: nothing to replay.
+    if (s.usable() && !rec->samples.empty()) again_ = file;
   }
 
   /// A recording has to replay to the bits that it says, whatever ended its session.
