@@ -75,24 +75,36 @@ class LogWriter {
   LogWriter(const LogWriter&) = delete;
   LogWriter& operator=(const LogWriter&) = delete;
 
-  /// Creates the file; refuses to replace an existing one unless told. InputError on failure.
+  /// Creates the file; refuses to replace an existing one unless told. InputError on failure. While it is open it is
+  /// locked (flock), so that nobody takes it for one that was left.
   void open(const std::string& path, bool replace = false);
-  /// Appends an event, with its number counted from 0. Whatever is older than a second of log time is on its way to the
-  /// disk when this returns. False when the disk refuses: whole events written so far stay, error() says why, and
-  /// further writes do nothing.
-  bool write(int64_t time_us, std::string_view channel, const uint8_t* data, size_t size);
+  /// Appends an event, with its number counted from 0. Whatever is older than a tenth of a second of log time is on its
+  /// way to the disk when this returns. Takes no memory while the disk takes what it is given.
+  /// False when the disk refuses, and error() says why: whole events written so far stay. A regular file is tried again
+  /// at later writes, and what it refused is held until then, up to 64 MB; anything else is given up at once.
+  bool write(int64_t time_us, std::string_view channel, const uint8_t* data, size_t size) noexcept;
   /// The first event anew, of the same size: for what is known later than the beginning. Nothing where the file cannot
   /// be gone back in, a pipe.
   void write_first_again(int64_t time_us, std::string_view channel, const uint8_t* data, size_t size);
-  bool flush();
-  bool close();
+  /// A file whose folder was removed is made again here, with all that was in it: in its old place, or else among the
+  /// machine's temporary files; path() says where.
+  bool flush() noexcept;
+  /// To the disk itself (fdatasync), and closed.
+  bool close() noexcept;
+  /// Takes nothing more; what was taken until now stays, and error() too.
+  void give_up() { given_up_ = true; }
+  bool given_up() const { return given_up_; }
   const std::string& error() const { return error_; }
+  const std::string& path() const { return path_; }
   int64_t events() const { return events_; }
   bool is_open() const { return fd_ >= 0; }
 
  private:
-  bool fail(int error_number);
+  void refused(int error_number, size_t done) noexcept;
+  void bring_back() noexcept;
+  void say_error(const char* what, const char* more = "", const char* end = "") noexcept;
   int fd_ = -1;
+  bool regular_ = false, given_up_ = false;
   std::string path_, error_;
   std::vector<uint8_t> buffer_;
   std::vector<uint32_t> lengths_;  // of the events in the buffer

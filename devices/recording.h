@@ -29,7 +29,9 @@ struct SessionInfo {
   std::string program;     // "limberg 0.1.0 (commit), compiler, processor instructions"; at most 95 bytes
   std::string scene_name;  // at most 63 bytes
   uint64_t scene_hash = 0, calibration_hash = 0;
-  std::array<uint64_t, 4> seeds{};                // world, emulated surgeon, options (bits below), spare
+  // World, emulated surgeon, options (bits below), the recording that this one goes on with (recording_mark(), or 0).
+  std::array<uint64_t, 4> seeds{};
+  static constexpr size_t kGoesOnWith = 3;
   static constexpr uint64_t kProgressiveCut = 1;  // option: incisions opened while they were drawn
   int64_t tick_ns = 1'000'000;
   int32_t ticks_per_solver_step = 8;
@@ -86,7 +88,7 @@ class RecordingWriter final : public SampleSink {
   void on_sample(const Sample& sample) override;
   void checkpoint(int64_t tick, uint64_t hash);
   void state(const StateSample& state);
-  /// Rows are gathered and written 32 at a time, or when they are half a second old.
+  /// Rows are gathered and written 32 at a time, or when they are half a second old. What throws has taken nothing.
   void schedule(const DeviceRun& run);
   void schedule(const SolverTake& take);
   /// Says that rows or samples were lost, so that nobody takes the schedule for whole.
@@ -97,7 +99,11 @@ class RecordingWriter final : public SampleSink {
   /// Writes what is still held and closes, without an end event.
   bool cut_short();
   bool flush() { return log_.flush(); }
+  /// Why the disk does not take it; empty again once it does (LogWriter::write).
   const std::string& error() const { return log_.error(); }
+  bool given_up() const { return log_.given_up(); }
+  void give_up() { log_.give_up(); }
+  const std::string& path() const { return log_.path(); }  // another than at the beginning where it was removed
   int64_t events() const { return log_.events(); }
 
  private:

@@ -216,8 +216,8 @@ class Reader {
     return nullptr;
   }
 
-  /// Of a session that was cut short: as much as is known for certain. Ticks whose samples are in the file, and steps
-  /// before which all ticks are known.
+  /// Of a session that was cut short: as much as is known for certain. Ticks whose samples are in the file, steps
+  /// before which all ticks are known, and ticks before which all steps are.
   void trim_schedule() {
     std::vector<DeviceRun>& ticks = r_.schedule.device;
     std::vector<SolverTake>& steps = r_.schedule.solver;
@@ -227,6 +227,9 @@ class Reader {
     ticks.resize(n);
     const int64_t known = ticks.empty() ? 0 : ticks.back().snapshot;
     while (!steps.empty() && steps.back().step > known) steps.pop_back();
+    // Ticks that saw what came of a step that was not written down any more.
+    const int64_t done = steps.empty() ? 0 : steps.back().step;
+    while (!ticks.empty() && ticks.back().snapshot > done) ticks.pop_back();
   }
 
   /// A schedule from which a row is missing is of no use, and says so; the rest of the recording is not the worse for

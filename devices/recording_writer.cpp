@@ -9,6 +9,7 @@ namespace limberg {
 namespace {
 
 constexpr size_t kMaxBlobBytes = kPiece * 65'536;
+constexpr size_t kRows = std::extent_v<decltype(limberg_msg::schedule_t::row)>;
 
 template <class M>
 M own_message(int64_t seq, int64_t t_ns) {
@@ -39,6 +40,7 @@ void RecordingWriter::open(const std::string& path, const SessionInfo& info, con
       throw InputError(path, 0, "cannot be recorded: \"" + b.name + "\" is larger than 256 MiB");
   }
   log_.open(path, replace);
+  for (Rows& rows : rows_) rows = {}, rows.row.reserve(kRows);
   tick_ns_ = info.tick_ns;
   start_us_ = info.utc_start_ns / 1000;
   last_us_ = start_us_;
@@ -145,12 +147,11 @@ void RecordingWriter::schedule_lost() {
 }
 
 void RecordingWriter::add_row(int kind, int64_t tick, const std::array<int64_t, 7>& row) {
-  constexpr size_t full = std::extent_v<decltype(limberg_msg::schedule_t::row)>;
   const int64_t half_a_second = 500'000'000 / tick_ns_;
   Rows& rows = rows_[kind - 1];
   if (rows.row.empty()) rows.first_tick = tick;
   rows.row.push_back(row);
-  if (rows.row.size() == full || tick - rows.first_tick > half_a_second) write_rows(kind, tick);
+  if (rows.row.size() == kRows || tick - rows.first_tick > half_a_second) write_rows(kind, tick);
 }
 
 void RecordingWriter::write_rows(int kind, int64_t tick) {

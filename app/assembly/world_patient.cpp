@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <new>
 #include <tuple>
 
 #include "sim/patient/soft_tissue.h"
@@ -61,7 +62,11 @@ Outcome WorldPatient::apply(const Command& c) {
   if (world_.skin() && depth > max_depth_mm_)
     return {false, fmt::format("depth {:.6g} mm is deeper than the scene allows; expected at most {:.6g} mm", depth,
                                max_depth_mm_)};
-  return world_.apply(c);
+  Outcome o = world_.apply(c);
+  // World refuses an act for which there was no memory. A session must not go on after that: whoever does it again has
+  // the memory, and another patient.
+  if (!o.done && o.reason.find(std::bad_alloc().what()) != std::string::npos) throw std::bad_alloc();
+  return o;
 }
 
 }  // namespace limberg

@@ -1,5 +1,7 @@
 #include "app/commands/command_line.h"
 
+#include <cxxabi.h>
+#include <execinfo.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <unistd.h>
@@ -8,8 +10,11 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <new>
+#include <system_error>
+#include <typeinfo>
 #include <utility>
 
 #include "app/program/interrupt.h"
@@ -25,6 +30,22 @@ int defect(const char* what) {
   say(std::string("internal error: ") + what + "; this is a defect of " + program_name() +
       ", please report it with the command line and the input files to the project's issue list");
   return kDefect;
+}
+
+/// Takes no memory: there is none.
+int out_of_memory() noexcept {
+  constexpr char line[] =
+      "limberg: not enough memory for this input; expected a smaller body or larger cells (--cell-mm)\n";
+  [[maybe_unused]] const ssize_t n = write(STDERR_FILENO, line, sizeof line - 1);
+  return kBadInput;
+}
+
+/// Where even what clears up wants memory (a JSON value takes some to be destroyed) there is nowhere to throw to. What
+/// was recorded is on its way to the disk since a tenth of a second.
+[[noreturn]] void end_without_memory() {
+  if (const std::type_info* t = abi::__cxa_current_exception_type(); t && *t == typeid(std::bad_alloc))
+    _exit(out_of_memory());
+  std::abort();
 }
 
 /// What was printed may still wait in a buffer: a full disk is told, as for any other file.
@@ -78,6 +99,11 @@ int run_command_line(CLI::App& app, std::vector<std::string> words, const Chosen
 }
 
 int run_framed(const std::function<int()>& body) {
+  std::set_terminate(end_without_memory);
+  // The C library loads what it unwinds with when it first does, through std::call_once say, and ends the program where
+  // there is no memory for that: so at once.
+  void* here = nullptr;
+  backtrace(&here, 1);
   keep_standard_files();
   show_standard_output();
   try {
@@ -90,7 +116,10 @@ int run_framed(const std::function<int()>& body) {
         "); expected a file or folder that can be reached");
     return kBadInput;
   } catch (const std::bad_alloc&) {
-    say("not enough memory for this input; expected a smaller body or larger cells (--cell-mm)");
+    return out_of_memory();
+  } catch (const std::system_error& e) {
+    if (e.code() != std::errc::resource_unavailable_try_again) return defect(e.what());
+    say(std::string(e.what()) + "; expected a machine that gives one more (ulimit -u)");
     return kBadInput;
   } catch (const std::exception& e) {
     return defect(e.what());

@@ -9,6 +9,7 @@
 #include "app/assembly/exercise.h"
 #include "app/assembly/operation.h"
 #include "app/commands/closure_force.h"
+#include "app/commands/left_recordings.h"
 #include "app/commands/numbers.h"
 #include "app/commands/operate_head.h"
 #include "app/commands/operate_orders.h"
@@ -135,6 +136,7 @@ void write_fields(const std::string& file, const World& world) {
 int run_operate(const OperateOptions& opt) {
   catch_interrupts();
   opt.common.prepare();
+  offer_to_continue({opt.common.out_dir});
   if (!opt.fields.empty()) check_writable(opt.fields), check_replaces(opt.fields, kFieldsHeader, "a table of fields");
   const Scene scene = open_scene(opt.scene);
   const std::string script_file = given_or_shipped(opt.script);

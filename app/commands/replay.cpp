@@ -2,10 +2,8 @@
 #include <cstdio>
 
 #include "app/commands/auto_option.h"
-#include "app/commands/session_command.h"
+#include "app/commands/recorded_call.h"
 #include "app/program/shipped.h"
-#include "app/result/progress.h"
-#include "devices/log_source.h"
 #include "sim/base/error.h"
 
 namespace limberg {
@@ -20,25 +18,12 @@ struct ReplayOptions {
   CommonOptions common;
 };
 
-std::string describe(const LogDamage& d, const std::string& file) {
-  std::string s = file + ": damaged: " + std::to_string(d.total()) + " events lost";
-  if (d.skipped_bytes > 0) s += ", " + std::to_string(d.skipped_bytes) + " bytes skipped";
-  if (!d.first_message.empty()) s += "; first: " + d.first_message;
-  return s + "; what is whole is replayed";
-}
-
 int replay(const ReplayOptions& o) {
   o.common.prepare();
-  Recording rec = read_recording(given_or_shipped(o.recording));
-  if (!rec.session)
-    throw InputError(
-        o.recording, 0,
-        "no valid record of a session in it; expected a recording made by limberg run --record or limberg emulate");
-  Unbundled u = unbundle_scene(rec, o.recording);
-  if (u.scene.hash != rec.session->scene_hash)
-    throw InputError(o.recording, 0,
-                     "its scene is not the one that it was recorded with (hash " + hex(u.scene.hash) + ", recorded " +
-                         hex(rec.session->scene_hash) + "); expected an unchanged recording");
+  Recording rec = open_session(given_or_shipped(o.recording));
+  SessionCall call;
+  call.command = "replay";
+  take_session(call, rec, o.recording);
   if (!o.scene.empty()) {
     const Scene asked = open_scene(o.scene);
     if (asked.hash != rec.session->scene_hash)
@@ -46,46 +31,10 @@ int replay(const ReplayOptions& o) {
                        "log of another scene (" + rec.session->scene_name + ", hash " + hex(rec.session->scene_hash) +
                            "); expected " + asked.name + ", hash " + hex(asked.hash));
   }
-  if (rec.samples.empty())
-    throw InputError(o.recording, 0, "no valid record of a sample in it; expected a stream of stylus samples");
-  if (rec.damage.total() > 0) say(describe(rec.damage, o.recording));
-  if (!rec.end && rec.damage.total() == 0)
-    say(o.recording + ": has no end record: the session was cut short; what is there is replayed");
-
-  SessionCall call;
-  call.command = "replay";
-  call.scene = std::move(u.scene);
-  call.scene_files = u.files;
-  call.calibration = unbundle_calibration(rec, o.recording);
   call.real_time = o.real_time, call.hand_waits = true;
-  call.progressive_cut = (rec.session->seeds[2] & SessionInfo::kProgressiveCut) != 0;
-  call.ticks_per_solver_step = std::max(1, rec.session->ticks_per_solver_step);
-  call.expected = rec.checkpoints;
-  call.expected_states = rec.states;
-  call.recorded_by = rec.session->program;
-  if (rec.end) {
-    call.end_tick = rec.end->tick;
-    call.expected.push_back({rec.end->tick, rec.end->hash});
-  }
   if ((call.point = o.automatic.apply(call.scene)))
     call.expected.clear(), call.expected_states.clear();  // another lattice: nothing to compare with
-  const bool as_it_was = !o.real_time && !o.even_clock && !call.point &&
-                         rec.damage.total() == rec.damage.truncated;  // a killed session ends within an event
-  if (as_it_was && rec.schedule.usable()) {
-    call.schedule = std::move(rec.schedule);
-    call.taken = std::move(rec.samples);
-    call.known_length_s = double(call.schedule.solver.back().tick) * 1e-3;
-  } else {
-    if (rec.schedule.usable())
-      call.expected.clear(),
-          call.expected_states.clear();  // hashes of a live session are those of its own interleaving
-    else if (rec.schedule.broken)
-      say(o.recording + ": what its threads found is not whole: replayed on an even clock, not exactly as it was");
-    auto source = std::make_unique<LogSource>(std::move(rec.samples), rec.damage.total());
-    call.known_length_s = double(source->last_ns()) * 1e-9;
-    call.sources.push_back(std::move(source));
-  }
-  call.damage = rec.damage;
+  take_samples(call, std::move(rec), o.recording, !o.real_time && !o.even_clock && !call.point);
   if (!o.lesson.empty()) call.lesson = open_lesson(o.lesson);
   call.reproduce = "limberg replay " + o.recording + (o.real_time ? " --realtime" : "") +
                    (o.common.out_dir.empty() ? "" : " --out " + o.common.out_dir);

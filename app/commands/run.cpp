@@ -1,10 +1,13 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <utility>
 
 #include "app/commands/auto_option.h"
+#include "app/commands/left_recordings.h"
 #include "app/commands/numbers.h"
-#include "app/commands/session_command.h"
+#include "app/commands/recorded_call.h"
 #include "app/program/shipped.h"
 #include "app/result/output.h"
 #include "app/result/progress.h"
@@ -19,7 +22,7 @@ namespace limberg {
 namespace {
 
 struct RunOptions {
-  std::string scene = "rhomboid", record, calibration, lesson, judge;
+  std::string scene = "rhomboid", record, calibration, lesson, judge, continued;
   std::vector<std::string> devices;
   double seconds = 0, cursor = 0;
   bool headless = false, replace = false, cut_at_end = false;
@@ -75,25 +78,59 @@ std::string lesson_file(const RunOptions& o) {
   return o.scene.find('/') == std::string::npos ? shipped_file("recordings/" + o.scene + ".jsonl") : "";
 }
 
+/// The session of a recording, to go on with: all of it that is whole.
+SessionCall continued(const std::string& file) {
+  SessionCall call;
+  Recording rec = open_session(file);
+  take_session(call, rec, file);
+  call.surgeon_seed = rec.session->seeds[1];
+  SessionCall::GoesOn on;
+  on.file = file, on.files = rec.blobs, on.session = *rec.session;
+  std::vector<Sample> samples = rec.samples;
+  on.end_tick = rec.end ? rec.end->tick : 0;
+  for (const Sample& s : samples)
+    if (!rec.end) on.end_tick = std::max(on.end_tick, (time_of(s) + 999'999) / 1'000'000);
+  // What came after that was never acted upon.
+  std::erase_if(rec.samples, [&](const Sample& s) { return time_of(s) > on.end_tick * 1'000'000; });
+  on.samples = rec.samples;
+  take_samples(call, std::move(rec), file, true);
+  if (call.schedule.usable()) {
+    size_t taken = 0;
+    for (const DeviceRun& r : call.schedule.device) taken += size_t(r.samples);
+    samples.resize(std::min(taken, samples.size()));
+    call.taken = on.samples = std::move(samples);
+  }
+  on.earlier = std::exchange(call.sources, {});
+  call.end_tick = -1;
+  call.goes_on = std::move(on);
+  return call;
+}
+
 int run_session(const RunOptions& o) {
   o.common.prepare();
-  SessionCall call;
+  if (!o.continued.empty() && o.automatic.on)
+    throw InputError("", 0, "--auto with --continue; expected a session that goes on with the cells that it had");
+  SessionCall call = o.continued.empty() ? SessionCall{} : continued(given_or_shipped(o.continued));
   call.command = "run";
-  call.scene = open_scene(o.scene);
-  if (!o.calibration.empty()) call.calibration = load_calibration(o.calibration);
   call.real_time = true;
-  call.progressive_cut = call.scene.tools.progressive_cut.value_or(true) && !o.cut_at_end;
-  call.point = o.automatic.apply(call.scene);
+  if (!call.goes_on) {
+    call.scene = open_scene(o.scene);
+    if (!o.calibration.empty()) call.calibration = load_calibration(o.calibration);
+    call.progressive_cut = call.scene.tools.progressive_cut.value_or(true) && !o.cut_at_end;
+    call.point = o.automatic.apply(call.scene);
+  }
   for (const std::string& d : o.devices) add_device(call, d);
   std::vector<Command> lesson;
-  if (const std::string file = lesson_file(o); !file.empty())
+  if (const std::string file =
+          call.goes_on && o.lesson.empty() ? shipped_file("recordings/" + call.scene.name + ".jsonl") : lesson_file(o);
+      !file.empty())
     for (const ScriptLine& l : load_script(file).lines) lesson.push_back(l.command);
   const bool window = !o.headless && has_display();
   if (!o.headless && !window) say("no display: no window is opened; --headless says that none is wanted");
   if (o.devices.empty() && !window) add_device(call, "lcm");
   if (window) {
     WindowCall w;
-    w.calibrated = !o.calibration.empty();
+    w.calibrated = !o.calibration.empty() || call.goes_on;
     bool tracked = false;
     for (const std::string& d : o.devices) {
       const DeviceSpec spec(d);
@@ -105,7 +142,7 @@ int run_session(const RunOptions& o) {
     }
     w.calibrated |= !tracked;  // what else there is says where it is in the patient's own measure
     w.mouse = o.devices.empty();
-    w.recording = o.record;
+    w.recording = call.goes_on && o.record.empty() ? name_of_continuation(call.goes_on->file) : o.record;
     if (!o.common.out_dir.empty()) w.picture_dir = o.common.out_dir;
     call.keep_dir = w.picture_dir;
     w.lesson = lesson;
@@ -124,8 +161,8 @@ int run_session(const RunOptions& o) {
     say("listening until Ctrl-C");
   call.hand_waits = call.live_sources.empty() && !o.devices.empty();
   if (o.seconds > 0) call.end_tick = int64_t(o.seconds * 1000);
-  call.known_length_s = o.seconds;
-  call.record_file = o.record;
+  if (!call.goes_on) call.known_length_s = o.seconds;
+  call.record_file = call.goes_on && o.record.empty() ? name_of_continuation(call.goes_on->file) : o.record;
   call.replace_record = o.replace;
   if (!o.judge.empty()) call.lesson = open_lesson(o.judge);
   call.common = o.common;
@@ -137,12 +174,21 @@ int run_session(const RunOptions& o) {
 void add_run(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<RunOptions>();
   CLI::App* c = app.add_subcommand("run", "Operate in real time");
-  c->add_option("SCENE", o->scene, "Scene file, or the name of a shipped scene (default: rhomboid)");
+  CLI::Option* scene =
+      c->add_option("SCENE", o->scene, "Scene file, or the name of a shipped scene (default: rhomboid)");
+  CLI::Option* on =
+      c->add_option("--continue", o->continued,
+                    "Go on with this recording, of a session that was cut off: it is done again as far as "
+                    "it is whole, the devices then take over, and all of it is recorded anew")
+          ->type_name("FILE")
+          ->excludes(scene);
   c->add_option("--device", o->devices, device_forms() + "; may be repeated (default: the mouse; without a window lcm)")
       ->type_name("SPEC");
   c->add_option("--calibration", o->calibration, "Calibration file of the device (default: identity)")
+      ->type_name("FILE")
+      ->excludes(on);
+  c->add_option("--record", o->record, "Record the session to this LCM log (--continue FILE.lcm: FILE-2.lcm, ...)")
       ->type_name("FILE");
-  c->add_option("--record", o->record, "Record the session to this LCM log")->type_name("FILE");
   c->add_flag("--replace", o->replace, "Replace the recording if it exists");
   c->add_option("--seconds", o->seconds, "End after so long (default: when the devices end)")
       ->type_name("S")
@@ -150,7 +196,7 @@ void add_run(CLI::App& app, Chosen& chosen) {
   c->add_option("--cursor", o->cursor, "The stylus pushes a surface cursor, by this share of its own way")
       ->type_name("GAIN")
       ->check(number_from(0.05, 2.0));
-  c->add_flag("--cut-at-end", o->cut_at_end, "Cut a stroke when it ends, not while it is drawn");
+  c->add_flag("--cut-at-end", o->cut_at_end, "Cut a stroke when it ends, not while it is drawn")->excludes(on);
   c->add_flag("--headless", o->headless, "No window");
   c->add_option("--lesson", o->lesson,
                 "Script whose steps the window's Next shows (default: the shipped one of the scene)")

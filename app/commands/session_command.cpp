@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "app/commands/left_recordings.h"
 #include "app/head/report.h"
 #include "app/pictures/pictures.h"
 #include "app/program/interrupt.h"
@@ -22,6 +23,9 @@
 #include "app/session/clock.h"
 #include "app/session/lockstep.h"
 #include "app/session/realtime.h"
+#include "devices/continued_source.h"
+#include "devices/log_source.h"
+#include "devices/unfinished.h"
 #include "render/gl_context.h"
 #include "sim/base/error.h"
 #include "sim/fem/solver/engine.h"
@@ -65,7 +69,12 @@ std::unique_ptr<Recorder> open_recorder(const SessionCall& call, Assembly& a) {
   info.ticks_per_frame = a.session_settings().ticks_per_frame;
   info.solver_delay_ticks = 0;
   info.utc_start_ns = call.real_time ? utc_ns() : 0;  // a virtual clock began at no time: the same call, the same bytes
-  return std::make_unique<Recorder>(a.channels, call.record_file, info, bundle(a.scene, a.calibration),
+  if (call.goes_on) {
+    info.utc_start_ns = call.goes_on->session.utc_start_ns, info.seeds = call.goes_on->session.seeds;
+    info.seeds[SessionInfo::kGoesOnWith] = recording_mark(call.goes_on->file);
+  }
+  return std::make_unique<Recorder>(a.channels, call.record_file, info,
+                                    call.goes_on ? call.goes_on->files : bundle(a.scene, a.calibration),
                                     call.replace_record || is_special(call.record_file));
 }
 
@@ -123,11 +132,9 @@ std::string reason_for(const SessionCall& call) {
   return "it was made by " + call.recorded_by + ", this is " + build_name();
 }
 
-void compare_checkpoints(Result& r, const SessionCall& call, const SolverLane& solver, const SessionFigures& f) {
-  if (!call.recorded_by.empty()) {
-    ResultRecordedBy by = recorded_by(call.recorded_by);
-    write_fields(r, "/recorded_by", by);
-  }
+/// Says where a replay differs; nothing where there was nothing to compare.
+std::optional<ResultCheckpoints> compare_checkpoints(const SessionCall& call, const SolverLane& solver,
+                                                     const SessionFigures& f) {
   int64_t compared = f.hashes_compared, equal = f.hashes_equal, first_difference = f.first_difference_tick;
   for (const Checkpoint& want : call.expected)
     for (const Checkpoint& got : f.checkpoints)
@@ -139,17 +146,32 @@ void compare_checkpoints(Result& r, const SessionCall& call, const SolverLane& s
           first_difference = want.tick;
         break;
       }
-  if (compared == 0) return;
+  if (compared == 0) return std::nullopt;
   ResultCheckpoints c;
   c.compared = compared, c.equal = equal;
   if (first_difference >= 0) c.first_difference_s = double(first_difference) * 1e-3;
   const StateDifference& d = solver.difference();
   if (first_difference >= 0 && d.compared > d.other_topology) c.difference_mm = d.mm, c.difference_N = d.N;
-  write_fields(r, "/checkpoints", c);
   if (first_difference >= 0)
     say("this run differs from the recorded one from second " + std::to_string(first_difference / 1000) + " on" +
         amount_of(d) + "; " + reason_for(call));
+  return c;
 }
+
+/// Of a recording that was done again.
+void tell_recorded(Result& r, const SessionCall& call, std::optional<ResultCheckpoints> checkpoints) {
+  if (call.recorded_by.empty()) return;
+  ResultRecordedBy by = recorded_by(call.recorded_by);
+  write_fields(r, "/recorded_by", by);
+  if (checkpoints) write_fields(r, "/checkpoints", *checkpoints);
+}
+
+/// continued: the recording that the session went on with, and from which second on.
+struct ResultContinued {
+  std::string file;
+  double from_s;
+};
+void fields(ResultContinued& x, auto&& f) { f("file", x.file), f("from_s", x.from_s); }
 
 /// What each live device sent; of one that sent nothing also why, where it says so.
 void tell_devices(Result& r, const std::vector<std::string>& names, const std::vector<const Source*>& devices) {
@@ -217,10 +239,12 @@ class AsideRecording {
     do name = dir_ + "/limberg-" + std::to_string(++n) + ".lcm";
     while (std::filesystem::exists(name, ec));
     std::filesystem::copy_file(file_, name, ec);
-    if (ec)
+    if (std::error_code gone; ec) {
+      std::filesystem::remove(name, gone);  // a part of it is of no use to anybody
       throw InputError(name, 0,
                        "the recording cannot be kept there (" + ec.message() + "), it is in " + file_ +
                            "; expected a folder with room and the right to write");
+    }
     remove();
     return name;
   }
@@ -230,12 +254,15 @@ class AsideRecording {
 };
 
 /// Where a session that cannot go on leaves its recording; empty: it has none, or nothing was recorded.
-std::string keep_after_failure(const std::optional<AsideRecording>& aside, Recorder* recorder,
-                               const std::string& record_file) {
+std::string keep_after_failure(const std::optional<AsideRecording>& aside, Recorder* recorder) {
   if (!recorder) return "";
   recorder->cut_short();
-  if (!aside) return record_file;
-  if (recorder->samples() == 0) return aside->remove(), "";
+  if (recorder->samples() == 0 && !is_special(recorder->path())) {  // nobody misses an empty session
+    std::error_code ec;
+    std::filesystem::remove(recorder->path(), ec);
+    return "";
+  }
+  if (!aside) return recorder->path();
   try {
     return aside->keep();
   } catch (const InputError&) {
@@ -263,7 +290,9 @@ std::string keep_after_failure(const std::optional<AsideRecording>& aside, Recor
     } catch (const std::exception& e) {
       say(e.what());
     }
-    if (!recording.empty()) say("what was recorded until then is kept: limberg replay " + recording);
+    if (!recording.empty())
+      say(fmt::format("what was recorded until then is kept: limberg replay {} repeats it{}", recording,
+                      call.real_time ? ", limberg run --continue " + recording + " goes on with it" : ""));
   }
   std::rethrow_exception(failure.cause);
 }
@@ -287,6 +316,12 @@ std::optional<AsideRecording> settle_recording(SessionCall& call) {
   }
   if (!call.record_file.empty() && !is_special(call.record_file)) {
     check_writable(call.record_file);
+    if (const auto left = unfinished_recording(call.record_file); left && !call.replace_record)
+      throw InputError(
+          call.record_file, 0,
+          fmt::format("holds a session that was cut off after {:.1f} s; expected limberg run --continue {}, "
+                      "the name of a new file, or --replace",
+                      left->length_s, call.record_file));
     if (std::error_code ec; !call.replace_record && std::filesystem::exists(call.record_file, ec))
       throw InputError(call.record_file, 0, "exists already; expected the name of a new file, or --replace");
     check_replaces_recording(call.record_file);
@@ -366,13 +401,43 @@ std::optional<InputError> leave_pictures(Result& result, const SessionCall& call
 }
 
 /// The recording's last name, told; one that nobody wants is removed.
-void leave_recording(const std::optional<AsideRecording>& aside, bool keep, const SessionCall& call,
-                     const Recorder* recorder) {
+void leave_recording(const std::optional<AsideRecording>& aside, bool keep, const Recorder* recorder) {
   if (recorder && !recorder->failed()) {
-    const std::string file = !aside ? call.record_file : keep ? aside->keep() : "";
+    const std::string file = !aside ? recorder->path() : keep ? aside->keep() : "";
     if (!file.empty()) fmt::print("recording   {}, {} samples\n", file, recorder->samples());
   }
   if (aside && !keep) aside->remove();
+}
+
+/// Where the recordings of a session lie, and those that an earlier one may have left.
+std::vector<std::string> folders_of(const SessionCall& call, bool aside) {
+  std::vector<std::string> folders{call.common.out_dir, call.keep_dir};
+  std::error_code ec;
+  if (aside)
+    folders.push_back(std::filesystem::temp_directory_path(ec).string());
+  else if (!call.record_file.empty() && !is_special(call.record_file))
+    folders.push_back((std::filesystem::path(call.record_file).parent_path() / ".").string());
+  return folders;
+}
+
+/// The earlier part of a session once more, unseen, with everything of it in the new recording.
+SessionFigures do_again(const SessionCall& call, Assembly& a, Recorder* recorder, TakenSource* taken,
+                        SessionSettings set) {
+  RenderLane unseen(a.channels, nullptr, false);
+  const SessionLanes lanes{a.device, a.solver, unseen, recorder};
+  set.goes_on = true, set.end_tick = call.goes_on->end_tick, set.settle_steps = 0;
+  return taken ? run_as_recorded(lanes, set, call.schedule, *taken) : run_lockstep(lanes, set);
+}
+
+/// On a whole solver step.
+int64_t first_tick_after(int64_t last, int step) { return (last / step + 1) * step; }
+
+int leave_as_it_was(const SessionCall& call, Recorder& recorder) {
+  recorder.cut_short();
+  std::error_code ec;
+  std::filesystem::remove(recorder.path(), ec);
+  say("interrupted before it went on; " + call.goes_on->file + " is as it was");
+  return kGoalMissed;
 }
 
 }  // namespace
@@ -382,6 +447,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   catch_interrupts();
   call.common.prepare();
   const std::optional<AsideRecording> aside = settle_recording(call);
+  if (!call.goes_on && call.command != "replay") offer_to_continue(folders_of(call, aside.has_value()));
 
   // The patient, and all that looks at it or acts on it.
   AssemblyOptions o = assembly_options(call);
@@ -397,14 +463,14 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   Assembly a(std::move(call.scene), call.calibration, o);
   a.solver.expect(std::move(call.expected_states));
   call.scene_files.reset();
-  for (auto& s : call.sources) a.front.add(std::move(s));
+  if (call.goes_on)
+    for (auto& s : call.goes_on->earlier) a.front.add(std::move(s));
   TakenSource* taken = nullptr;
   if (call.schedule.usable()) {
     auto source = std::make_unique<TakenSource>(std::move(call.taken));
     taken = source.get();
     a.front.add(std::move(source));
   }
-  if (window) a.front.add(window->pointer(a.channels));
   const std::unique_ptr<Recorder> recorder = open_recorder(call, a);
 
   Progress progress(call.command);
@@ -423,33 +489,60 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   // A recording that is whole says itself how it came to rest.
   if (!call.real_time && taken && call.end_tick >= 0) set.settle_steps = 0;
 
+  // What it goes on with, and the hands of both parts as one.
+  std::optional<SessionFailure> failure;
+  std::optional<ResultCheckpoints> checkpoints;
+  SessionFigures before;
+  std::shared_ptr<EarlierPart> earlier;
+  if (call.goes_on) {
+    try {
+      before = do_again(call, a, recorder.get(), taken, set);
+    } catch (const SessionFailure& e) {
+      failure = e;
+    }
+    progress.clear();
+    if (before.interrupted) return leave_as_it_was(call, *recorder);
+    checkpoints = compare_checkpoints(call, a.solver, before);
+    set.first_tick = first_tick_after(before.last_tick, set.ticks_per_solver_step);
+    earlier = std::make_shared<EarlierPart>(call.goes_on->samples, set.first_tick * kDeviceTickNs);
+    if (set.end_tick >= 0) set.end_tick += set.first_tick;
+    a.front.add(std::make_unique<LogSource>(earlier->let_go()));
+    say(fmt::format("{}: {:.1f} s are done again; the session goes on, and is recorded in {}", call.goes_on->file,
+                    before.duration_s, recorder->path()));
+  }
+  const auto add = [&](std::unique_ptr<Source> s) {
+    a.front.add(earlier ? std::make_unique<ContinuedSource>(std::move(s), earlier) : std::move(s));
+  };
+  for (auto& s : call.sources) add(std::move(s));
+  if (window) add(window->pointer(a.channels));
+
   // The session.
   SessionFigures f;
   std::vector<const Source*> devices;  // as in call.live_names
   Snapshot first;
   if (a.head && !call.common.out_dir.empty()) a.patient->fill_with_field(first);  // for the pictures
-  std::optional<SessionFailure> failure;
   const auto connect = [&](int64_t start_ns) {
     // Between the opening of the recording and tick 0 lie seconds.
-    if (recorder) recorder->began(utc_ns() + start_ns - RealClock::monotonic_ns());
+    if (recorder && !earlier) recorder->began(utc_ns() + start_ns - RealClock::monotonic_ns());
     for (const LiveSource& live : call.live_sources) {
       auto source = live({start_ns, a.channels.press});
       devices.push_back(source.get());
-      a.front.add(std::move(source));
+      add(std::move(source));
     }
   };
   if (call.real_time && !call.live_sources.empty()) a.channels.press = std::make_shared<PressLine>();
   try {
-    f = call.real_time ? run_realtime(a.lanes(recorder.get()), set, {}, connect)
-        : taken        ? run_as_recorded(a.lanes(nullptr), set, call.schedule, *taken)
-                       : run_lockstep(a.lanes(recorder.get()), set);
+    if (!failure)
+      f = call.real_time ? run_realtime(a.lanes(recorder.get()), set, {}, connect)
+          : taken        ? run_as_recorded(a.lanes(nullptr), set, call.schedule, *taken)
+                         : run_lockstep(a.lanes(recorder.get()), set);
   } catch (const SessionFailure& e) {
     failure = e;
   }
   progress.clear();
   const bool keep = window && window->keep_recording();
   window.reset();
-  if (failure) leave_failure(*failure, call, a, keep_after_failure(aside, recorder.get(), call.record_file));
+  if (failure) leave_failure(*failure, call, a, keep_after_failure(aside, recorder.get()));
   if (film) {
     film->close();
     fmt::print("film        {}, {} frames\n", call.film->file, film->frames());
@@ -461,7 +554,13 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
       fill_session(result, a, f, call.real_time, call.lesson ? &*call.lesson : nullptr);
   if (call.point) fill_operating_point(result, *call.point);
   fill_damage(result, call.damage);
-  if (!call.real_time) compare_checkpoints(result, call, a.solver, f);
+  f.solver.skipped += before.solver.skipped;
+  if (!call.real_time) checkpoints = compare_checkpoints(call, a.solver, f);
+  tell_recorded(result, call, checkpoints);
+  if (earlier) {
+    ResultContinued from{call.goes_on->file, before.duration_s};
+    write_fields(result, "/continued", from);
+  }
   tell_story(result, call, a, recorder.get());
   tell_devices(result, call.live_names, devices);
   if (after) after(result, a);
@@ -471,7 +570,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   result.set_ok(reached && !recording_failed);
   const std::optional<InputError> unwritten = leave_pictures(result, call, a, first);
   print_summary(call, a, f);
-  leave_recording(aside, keep, call, recorder.get());
+  leave_recording(aside, keep, recorder.get());
   leave_result(result, call.common);
   print_verdict(verdict);
   if (unwritten) throw InputError(*unwritten);
@@ -481,7 +580,10 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   }
   if (f.interrupted) say("interrupted; what was done and recorded until then is kept");
   if (!at_rest) say("the patient did not come to rest: relative residual above 1e-4");
-  if (call.damage.total() > 0) return kGoalMissed;  // not all of what was recorded could be replayed
+  // Not all of what was recorded could be replayed. That a session which goes on was cut off within an event is why it
+  // goes on.
+  const int64_t cut_off = call.goes_on ? call.damage.truncated : 0;
+  if (call.damage.total() > cut_off) return kGoalMissed;
   return reached ? kDone : kGoalMissed;
 }
 

@@ -32,9 +32,19 @@ struct SessionCall {
   std::string
       keep_dir;  // with a window and no record_file: recorded aside all the same; kept here when the operator says so
   uint64_t surgeon_seed = 0;
-  int64_t end_tick = -1;             // -1: when the sources have ended
-  int ticks_per_solver_step = 0;     // 0: as the scene asks
-  double known_length_s = 0;         // for the progress line
+  int64_t end_tick = -1;          // -1: when the sources have ended
+  int ticks_per_solver_step = 0;  // 0: as the scene asks
+  double known_length_s = 0;      // for the progress line
+  /// Of a recording that the session goes on with; its schedule and `taken`, or `earlier`, are done again first.
+  struct GoesOn {
+    std::string file;
+    std::vector<std::unique_ptr<Source>> earlier;
+    int64_t end_tick = 0;         // of what is done again on an even clock
+    std::vector<Sample> samples;  // all that is done again
+    std::vector<Blob> files;      // as they were embedded
+    SessionInfo session;
+  };
+  std::optional<GoesOn> goes_on;
   LiveSchedule schedule;             // of a live recording: it is done again as it was
   std::vector<Sample> taken;         // its samples, in the order in which they were recorded
   std::vector<Checkpoint> expected;  // of a recording: compared in lockstep

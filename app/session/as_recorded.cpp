@@ -72,6 +72,7 @@ void once_more(SessionLanes& lanes, const SessionSettings& set, const LiveSchedu
     out.last_tick = take.tick, out.duration_s = double(take.tick) * 1e-3;
     const int64_t began = RealClock::monotonic_ns();
     lanes.solver.step_as(take, take.hand_tick < 0 ? nullptr : ticks.hand(take.hand_tick));
+    if (lanes.recorder) lanes.recorder->drain();
     out.solver.work.add(RealClock::monotonic_ns() - began);
     ++out.solver.ticks;
     // Whole periods that went by without a step, then.
@@ -94,7 +95,9 @@ void once_more(SessionLanes& lanes, const SessionSettings& set, const LiveSchedu
   if (ticks.strange() > 0 && out.first_difference_tick < 0) out.first_difference_tick = ticks.tick();
   out.last_tick = ticks.tick();
   out.duration_s = double(out.last_tick) * 1e-3;
+  if (lanes.recorder) lanes.device.end_schedule(), lanes.recorder->drain();
   out.checkpoints.push_back({out.last_tick, lanes.solver.state_hash()});
+  if (set.goes_on) return;
   // A session that was cut short is brought to rest here.
   while (!out.interrupted && out.settle_steps < set.settle_steps && !lanes.solver.at_rest(set.settle_residual)) {
     lanes.solver.settle_step(out.last_tick);
@@ -114,6 +117,7 @@ SessionFigures run_as_recorded(SessionLanes lanes, const SessionSettings& set, c
   try {
     once_more(lanes, set, schedule, samples, out);
   } catch (...) {
+    if (lanes.recorder) lanes.recorder->cut_short();
     fail_session("replay", out);
   }
   return out;

@@ -44,6 +44,7 @@ void in_lockstep(SessionLanes& lanes, const SessionSettings& set, SessionFigures
       if (!render.open()) out.interrupted = true;
     }
     const bool last = out.interrupted || (end >= 0 && tick >= end);
+    if (last && set.goes_on) return;
     if (last || (tick > 0 && tick % set.checkpoint_ticks == 0)) {
       out.checkpoints.push_back({tick, solver.state_hash()});
       if (recorder && !last) recorder->checkpoint(tick, out.checkpoints.back().hash);
@@ -52,7 +53,7 @@ void in_lockstep(SessionLanes& lanes, const SessionSettings& set, SessionFigures
     if (last) break;
     if (end < 0 && device.done()) end = tick + set.tail_ticks;
     if (tick % 64 == 0 && set.interrupted && set.interrupted()) out.interrupted = true;
-    if (recorder && recorder->failed() && set.stop_when_recording_fails) out.interrupted = true;
+    if (recorder && recorder->failed() && set.stop_when_recording_fails) recorder->give_up(), out.interrupted = true;
   }
   if (recorder) recorder->finish(tick, out.checkpoints.back().hash);
   if (!out.interrupted)

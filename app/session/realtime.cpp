@@ -127,7 +127,7 @@ void device_thread(Control& c, DeviceLane& lane, LaneTimes& t, const SessionSett
   }
   c.i_am_ready();
   const PacedClock clock(c.wait_for_start(), c.held_ns);
-  int64_t tick = 0, end = set.end_tick;
+  int64_t tick = set.first_tick, end = set.end_tick;
   while (!c.stop_device.load(std::memory_order_relaxed)) {
     if (set.hand_waits) wait_for_patient(c, tick, set.ticks_per_solver_step);
     clock.sleep_until_ns(tick * kDeviceTickNs);
@@ -167,11 +167,11 @@ void device_thread(Control& c, DeviceLane& lane, LaneTimes& t, const SessionSett
 
 void solver_thread(Control& c, SolverLane& lane, SessionFigures& out, const SessionSettings& set, double budget) {
   LaneTimes& t = out.solver;
-  lane.start();
+  if (set.first_tick == 0) lane.start();
   c.i_am_ready();
   const PacedClock clock(c.wait_for_start(), c.held_ns);
   const int64_t period = int64_t(set.ticks_per_solver_step) * kDeviceTickNs;
-  int64_t n = 1, last_tick = 0;
+  int64_t n = set.first_tick / set.ticks_per_solver_step + 1, last_tick = set.first_tick;
   int resting = -1;  // steps since the device thread ended
   while (!c.stop_solver.load()) {
     clock.sleep_until_ns(n * period);
@@ -215,7 +215,8 @@ void render_thread(Control& c, RenderLane& lane, SessionFigures& out, const Sess
   const PacedClock clock(c.wait_for_start(), c.held_ns);
   const int64_t period = int64_t(set.ticks_per_frame) * kDeviceTickNs;
   LaneTimes& t = out.render;
-  int64_t due = period, shown_sample = -1, drawn_ns = 0, drawn_before = 0, since = 0;  // drawn since about a second
+  int64_t due = set.first_tick * kDeviceTickNs + period;
+  int64_t shown_sample = -1, drawn_ns = 0, drawn_before = 0, since = 0;  // drawn since about a second
   for (bool last = false; !last;) {
     last = c.stop_render.load();  // one more frame after the end: the patient at rest
     if (!last) clock.sleep_until_ns(due);
@@ -262,7 +263,8 @@ void drive(Control& c, const SessionLanes& lanes, SessionFigures& out, const Ses
            bool real_time, ScheduledThread& device_thread) {
   Recorder* const recorder = lanes.recorder;
   const RealClock clock(start_ns);
-  bool warned = false, told = !real_time;
+  bool told = !real_time;
+  RecordingWatch recording;
   PaceWatch pace;
   // Silence is counted as often as it was looked at: a machine that stood still is no silent thread.
   int64_t last_tick = -1, silent_ns = 0;
@@ -283,8 +285,7 @@ void drive(Control& c, const SessionLanes& lanes, SessionFigures& out, const Ses
     }
     if (recorder) {
       recorder->drain();
-      if (recorder->failed() && !warned && set.say) set.say("recording stopped: " + recorder->error());
-      warned |= recorder->failed();
+      if (const std::string words = recording.look(*recorder); !words.empty() && set.say) set.say(words);
       if (recorder->failed() && set.stop_when_recording_fails) out.interrupted = true;
     }
     if (set.interrupted && set.interrupted()) out.interrupted = true;
@@ -320,6 +321,7 @@ SessionFigures run_realtime(SessionLanes lanes, const SessionSettings& set, cons
                             const std::function<void(int64_t)>& before_start) {
   SessionFigures out;
   Control c;
+  c.tick = c.step_tick = set.first_tick;
   DeviceLane& device = lanes.device;
   SolverLane& solver = lanes.solver;
   RenderLane& render = lanes.render;
@@ -338,7 +340,7 @@ SessionFigures run_realtime(SessionLanes lanes, const SessionSettings& set, cons
       const int64_t start = RealClock::monotonic_ns() + 20 * kNsPerMs;
       if (before_start) before_start(start);
       if (set.say) set.say(c.scheduling);
-      c.start(start);
+      c.start(start - set.first_tick * kDeviceTickNs);
       drive(c, lanes, out, set, start, rt.fifo_priority > 0, *crew.device);
       crew.device->join();
       crew.solver->join();

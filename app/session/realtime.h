@@ -19,9 +19,9 @@ struct RealTimeSettings {
   double solver_budget = 0.85;  // of its period, after which a step takes no further iteration
 };
 
-/// `before_start` is called once everything is ready, with CLOCK_MONOTONIC of tick 0 in ns: the place to start live
-/// sources. SessionFailure: one of the threads, this one among them, could not go on; the others were told to end and
-/// have ended, and the recording is closed without an end.
+/// `before_start` is called once everything is ready, with CLOCK_MONOTONIC of the first tick in ns: the place to start
+/// live sources. SessionFailure: one of the threads, this one among them, could not go on; the others were told to end
+/// and have ended, and the recording is closed without an end.
 SessionFigures run_realtime(SessionLanes lanes, const SessionSettings& settings, const RealTimeSettings& real_time,
                             const std::function<void(int64_t start_ns)>& before_start = {});
 

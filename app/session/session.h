@@ -27,10 +27,12 @@ struct SessionLanes {
 };
 
 struct SessionSettings {
-  int ticks_per_solver_step = 16;   // 62.5 Hz
-  int ticks_per_frame = 33;         // 30 frames a second
-  int64_t end_tick = -1;            // the last tick; -1: `tail_ticks` after the sources have ended
-  int64_t tail_ticks = 100;         // time for the filter to catch up and the last gesture to end
+  int ticks_per_solver_step = 16;  // 62.5 Hz
+  int ticks_per_frame = 33;        // 30 frames a second
+  int64_t first_tick = 0;          // real time: after an earlier part was done again (goes_on); a whole solver step
+  int64_t end_tick = -1;           // the last tick; -1: `tail_ticks` after the sources have ended
+  bool goes_on = false;            // lockstep, as recorded: an earlier part. It is left as it stands, its recorder open
+  int64_t tail_ticks = 100;        // time for the filter to catch up and the last gesture to end
   int64_t checkpoint_ticks = 1000;  // lockstep
   // Afterwards: steps until the residual is reached, at most so many.
   double settle_residual = 1e-5;

@@ -41,6 +41,7 @@ void SolverLane::step(int64_t tick, const std::function<bool()>& stop_early) {
   if (ch_.hand_to_solver.update()) hand_ = ch_.hand_to_solver.reading(), hand_known_ = true;
   for (ToolEvent e; ch_.events.pop(e);) take(e, tick);
   StepSettings s = settings_.step;
+  s.adopt_when_ready &= bool(stop_early);
   if (!settings_.schedule) {
     if (stop_early) s.should_stop = stop_early;
     return advance(tick, s);
@@ -62,8 +63,13 @@ void SolverLane::step(int64_t tick, const std::function<bool()>& stop_early) {
       return now;
     };
   advance(tick, s);
-  if (settings_.hash_every > 0 && steps_ % uint64_t(settings_.hash_every) == 0) found.hash = state_hash();
-  ch_.solver_takes.push(found);
+  pass_on(found);
+}
+
+void SolverLane::pass_on(SolverTake take) {
+  const bool hashed = settings_.hash_every > 0 && steps_ % uint64_t(settings_.hash_every) == 0;
+  take.hash = hashed ? state_hash() : 0;
+  ch_.solver_takes.push(take);
 }
 
 void SolverLane::step_as(const SolverTake& as, const HandState* hand) {
@@ -79,6 +85,7 @@ void SolverLane::step_as(const SolverTake& as, const HandState* hand) {
     return k < kChances && (as.adopted >> k & 1) != 0;
   };
   advance(as.tick, s);
+  if (settings_.schedule) pass_on(as);
 }
 
 // On every other step: an answer costs about as much as a step, and is faded in over longer than one. A question that

@@ -58,7 +58,8 @@ class SolverLane {
 
   /// Publishes the patient before anything has happened; call before the first device tick.
   void start();
-  /// One step at device tick `tick`. `stop_early` is asked between iterations (real time); empty in lockstep.
+  /// One step at device tick `tick`. `stop_early` is asked between iterations (real time). Empty: lockstep, and a new
+  /// preconditioner is taken after a number of steps, whenever it is there.
   void step(int64_t tick, const std::function<bool()>& stop_early = {});
   /// The step that a live session took, once more: with this hand, the events that it had, and cut short where it was.
   void step_as(const SolverTake& take, const HandState* hand);
@@ -87,6 +88,7 @@ class SolverLane {
 
  private:
   void advance(int64_t tick, const StepSettings& s);
+  void pass_on(SolverTake take);  // to the recording, with the hash of what came of it
   void take(const ToolEvent& e, int64_t tick);
   void take(const Command& c, int64_t tick);   // of a panel or a program
   bool apply(const Command& c, int64_t tick);  // false: refused

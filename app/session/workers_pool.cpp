@@ -7,6 +7,7 @@
 #include <exception>
 #include <mutex>
 #include <stdexcept>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -132,11 +133,20 @@ struct WorkersPool::Impl {
 
 WorkersPool::WorkersPool(int n) : impl_(std::make_unique<Impl>()), n_(n) {
   if (n < 1) throw std::invalid_argument("a pool needs at least one worker");
-  for (int i = 1; i < n; ++i)
-    impl_->helpers.push_back(std::make_unique<ScheduledThread>([p = impl_.get()] { p->help(); }));
+  try {
+    for (int i = 1; i < n; ++i)
+      impl_->helpers.push_back(std::make_unique<ScheduledThread>([p = impl_.get()] { p->help(); }));
+  } catch (const std::system_error&) {  // a machine that gives no more threads: those that there are do the work
+    n_ = 1 + int(impl_->helpers.size());
+  } catch (...) {
+    end();
+    throw;
+  }
 }
 
-WorkersPool::~WorkersPool() {
+WorkersPool::~WorkersPool() { end(); }
+
+void WorkersPool::end() {
   impl_->stop.store(true);
   impl_->ring();
   impl_->helpers.clear();

@@ -19,7 +19,8 @@ namespace limberg {
 
 class WorkersPool final : public Workers {
  public:
-  /// n >= 1. With n = 1 there is no helper: a job runs when it is waited for.
+  /// n >= 1, or as many as the machine gives threads for. With n = 1 there is no helper: a job runs when it is waited
+  /// for.
   explicit WorkersPool(int n);
   ~WorkersPool() override;
 
@@ -33,6 +34,7 @@ class WorkersPool final : public Workers {
   std::shared_ptr<Job> submit(std::function<void()> job) override;
 
  private:
+  void end();
   struct Impl;
   std::unique_ptr<Impl> impl_;
   int n_;

@@ -137,4 +137,46 @@ TEST_F(Cli, CtrlCKeepsARecordingWhole) {
   EXPECT_EQ(o.err, "") << "not damaged: it has its end mark";
 }
 
+TEST_F(Cli, ASessionThatWasCutOffIsOfferedAndGoneOnWith) {
+  const std::string scene = file("small.toml", small_scene()), log = path("my.lcm"), next = path("my-2.lcm"),
+                    device =
+                        " --headless --device emulated:" +
+                        file("s.jsonl", script("{\"action\":\"incise\",\"path\":[[-8,0],[8,0]],\"depth_mm\":3}\n"));
+  ASSERT_EQ(run("run " + scene + device + " --record " + log).status, 0);
+  const std::string whole = slurp(log), cut = whole.substr(0, whole.size() * 3 / 4);
+  std::ofstream(log, std::ios::binary) << cut;
+  // The next start says so, and does not take its name.
+  const std::string advice = "limberg run --continue " + log;
+  Outcome o = run("run " + scene + device + " --record " + log);
+  EXPECT_EQ(o.status, 2);
+  EXPECT_NE(o.err.find(advice), std::string::npos) << o.err;
+  o = run("emulate " + scene + " " + path("s.jsonl") + " --out " + path("other.lcm"));
+  EXPECT_EQ(o.status, 0) << o.err;
+  EXPECT_NE(o.err.find("cut off after"), std::string::npos) << o.err;
+  EXPECT_NE(o.err.find(advice), std::string::npos) << o.err;
+  EXPECT_EQ(
+      run("operate " + scene + " " + path("s.jsonl") + " --out " + dir_.string()).err.find(advice) == std::string::npos,
+      false);
+  // It goes on, in a recording of its own that replays as one.
+  o = run("run --continue " + log + device + " --seconds 0.6 --json " + path("c.json"));
+  EXPECT_EQ(o.status, 0) << o.err;
+  EXPECT_NE(o.out.find(next), std::string::npos) << o.out;
+  EXPECT_EQ(slurp(log), cut) << "what it went on with is as it was";
+  const auto c = nlohmann::json::parse(slurp(path("c.json")));
+  EXPECT_EQ(c["continued"]["file"], log);
+  EXPECT_EQ(c["checkpoints"]["equal"], c["checkpoints"]["compared"]);
+  EXPECT_GT(double(c["duration_s"]), double(c["continued"]["from_s"]) + 0.5);
+  o = run("replay " + next + " --json " + path("r.json"));
+  EXPECT_EQ(o.status, 0) << o.err;
+  const auto r = nlohmann::json::parse(slurp(path("r.json")));
+  EXPECT_EQ(r["state_hash"], c["state_hash"]);
+  EXPECT_EQ(r["checkpoints"]["equal"], r["checkpoints"]["compared"]);
+  EXPECT_GT(int(r["checkpoints"]["compared"]), 0);
+  // Nobody is told of it any more.
+  o = run("emulate " + scene + " " + path("s.jsonl") + " --replace --out " + path("other.lcm"));
+  EXPECT_EQ(o.err.find("--continue"), std::string::npos) << o.err;
+  expect_refused("run --continue " + log + " --auto --headless", {"--auto", "expected"});
+  expect_refused("run --continue " + path("s.jsonl") + " --headless", {"expected"});
+}
+
 }  // namespace test_cli_calls

@@ -19,6 +19,7 @@
 #include "app/session/pace_watch.h"
 #include "app/session/realtime.h"
 #include "app/session/workers_pool.h"
+#include "devices/continued_source.h"
 #include "devices/emulator.h"
 #include "devices/force/force_source.h"
 #include "devices/log_source.h"
@@ -394,6 +395,83 @@ TEST(AsRecorded, AKilledSessionLosesLessThanASecondAndReplays) {
   EXPECT_GT(f.hashes_compared, 2);
   EXPECT_EQ(f.hashes_equal, f.hashes_compared);
   EXPECT_EQ(f.first_difference_tick, -1);
+}
+
+/// As much of a recording as a killed session leaves, done again and gone on with; what is recorded of both parts.
+Recording gone_on(const std::vector<Sample>& samples, const LiveSchedule& schedule, int64_t even_end_tick,
+                  uint64_t& hash) {
+  std::unique_ptr<Source> source;
+  TakenSource* taken = nullptr;
+  if (schedule.usable()) {
+    auto t = std::make_unique<TakenSource>(samples);
+    taken = t.get(), source = std::move(t);
+  } else {
+    source = std::make_unique<LogSource>(samples);
+  }
+  Rig rig(std::move(source), nullptr, true, true);
+  const std::string file = temporary("on.lcm");
+  Recorder recorder(*rig.channels, file, SessionInfo{}, {}, true);
+  SessionSettings set = quick();
+  set.goes_on = true, set.end_tick = even_end_tick;
+  const SessionFigures before =
+      taken ? run_as_recorded(rig.lanes(&recorder), set, schedule, *taken) : run_lockstep(rig.lanes(&recorder), set);
+  set = quick();
+  set.first_tick = (before.last_tick / set.ticks_per_solver_step + 1) * set.ticks_per_solver_step;
+  const auto earlier = std::make_shared<EarlierPart>(samples, set.first_tick * kDeviceTickNs);
+  rig.front.add(std::make_unique<LogSource>(earlier->let_go()));
+  SurgeonSettings ss;
+  ss.settle_s = 0.05, ss.start_s = 0.1, ss.carry_mm_s = 300, ss.corner_pause_s = 0.05;
+  rig.front.add(std::make_unique<ContinuedSource>(
+      std::make_unique<EmulatedSurgeon>(std::vector<Command>{SetHook{2, {-6, 4}}, MoveHook{2, {-9, 8, 4}, 0.3}}, ss),
+      earlier));
+  const SessionFigures f = run_realtime(rig.lanes(&recorder), set, {.solver_budget = 0});
+  EXPECT_FALSE(recorder.failed()) << recorder.error();
+  EXPECT_GT(f.last_tick, set.first_tick + 300);
+  hash = f.state_hash;
+  Recording rec = read_recording(file);
+  std::filesystem::remove(file);
+  return rec;
+}
+
+TEST(AsRecorded, ASessionThatWasCutOffGoesOnAndReplaysAsOne) {
+  const std::string file = temporary("cut.lcm");
+  uint64_t hash = 0;
+  const Recording whole = live_recording(file, hash);
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) * 2 / 3);
+  const Recording cut = read_recording(file);
+  std::filesystem::remove(file);
+  ASSERT_TRUE(cut.schedule.usable());
+  std::vector<Sample> samples = cut.samples;
+  size_t taken = 0;
+  for (const DeviceRun& r : cut.schedule.device) taken += size_t(r.samples);
+  samples.resize(taken);
+  for (const bool as_it_was : {true, false}) {
+    const int64_t end_tick = time_of(samples.back()) / kDeviceTickNs + 1;
+    const Recording rec = gone_on(samples, as_it_was ? cut.schedule : LiveSchedule{}, end_tick, hash);
+    EXPECT_EQ(rec.damage.total(), 0) << rec.damage.first_message;
+    ASSERT_TRUE(rec.end);
+    EXPECT_GT(rec.samples.size(), samples.size() + 20);
+    EXPECT_GT(rec.end->tick, end_tick + 300);
+    const SessionFigures f = again(rec, rec.schedule);
+    EXPECT_EQ(f.state_hash, hash) << as_it_was;
+    EXPECT_EQ(f.state_hash, rec.end->hash);
+    EXPECT_GT(f.hashes_compared, 5);
+    EXPECT_EQ(f.hashes_equal, f.hashes_compared);
+    EXPECT_EQ(f.first_difference_tick, -1);
+  }
+}
+
+TEST(WorkersPool, AMachineThatGivesNoMoreThreadsHasFewerWorkers) {
+  if (!malloc_counter::works()) GTEST_SKIP() << "a sanitizer starts threads itself";
+  for (const int threads : {0, 2}) {
+    threads_allowed = threads;
+    WorkersPool pool(5);
+    threads_allowed = -1;
+    EXPECT_EQ(pool.count(), threads + 1);
+    std::atomic<int> sum{0};
+    pool.parallel_for(100, 3, [&](size_t a, size_t b) { sum += int(b - a); });
+    EXPECT_EQ(sum, 100);
+  }
 }
 
 TEST(AsRecorded, AScheduleWithAMissingRowIsNotTakenForWhole) {

@@ -11,6 +11,7 @@
 #include "tests/bench/cutting.h"
 #include "tests/bench/devices/fuzz.h"
 #include "tests/bench/devices/suite.h"
+#include "tests/bench/faults.h"
 #include "tests/bench/features.h"
 #include "tests/bench/felt_patient.h"
 #include "tests/bench/frames.h"
@@ -139,6 +140,16 @@ SuiteOutcome run_readers_fuzz(const Options& o) {
   return only(readers_fuzz(s, readers()).result());
 }
 
+SuiteOutcome run_faults(const Options& o) {
+  catch_interrupts();  // what was done by then is reported
+  FaultsSettings s;
+  s.cases = o.operations > 0 ? o.operations : o.quick ? 200 : 2000;
+  s.seed = o.seed, s.progress = o.progress, s.stop = interrupted;
+  SuiteOutcome out = only(faults_suite(s));
+  if (interrupted()) out.interrupted = "before its last case; what was done is reported";
+  return out;
+}
+
 SuiteOutcome run_fuzz(const Options& o) {
   if (o.world) return run_world_fuzz(o);
   if (o.devices) return run_devices_fuzz(o);
@@ -181,6 +192,8 @@ constexpr Suite kSuites[] = {
      run_cutting},
     {"devices", "the 1 kHz loop, buffers, tracking, calibration, grabs and force",
      "wake, buffers, tracking, calibration, grabs, force, felt, latency", false, run_devices},
+    {"faults", "what full disks, lost memory, kills and stopped clocks do to a session and its recording", "", false,
+     run_faults},
     {"features", "memory and time of each part of a scene, off and on", "a part of a scene", true,
      [](const Options& o) {
        return only(features(scene_of(o), {o.quick, o.only, o.progress}));

@@ -2,13 +2,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 
+#include "devices/continued_source.h"
 #include "devices/log_source.h"
 #include "devices/message_codec.h"
 #include "devices/old_controls.h"
 #include "devices/recording.h"
+#include "devices/unfinished.h"
 #include "sim/base/error.h"
 #include "tests/devices/samples.h"
 #include "tests/devices/temporary.h"
@@ -280,6 +284,123 @@ TEST(Recording, ADiskThatFillsUpKeepsWholeEvents) {
   EXPECT_EQ(r.damage.total(), 0) << r.damage.first_message;
   EXPECT_GT(r.samples.size(), 100u);
   EXPECT_FALSE(r.end);
+}
+
+TEST(Recording, ADiskThatHasRoomAgainLosesNothing) {
+  TemporaryFolder dir;
+  RecordingWriter w;
+  w.open(dir / "r.lcm", session(), {});
+  const std::vector<Sample> all = stream(500);
+  {
+    const SmallFiles no_room(20'001);
+    for (size_t i = 0; i < 300; ++i) w.on_sample(all[i]);
+    w.flush();
+    EXPECT_NE(w.error().find("events before that are kept"), std::string::npos) << w.error();
+    EXPECT_FALSE(w.given_up());
+  }
+  for (size_t i = 300; i < all.size(); ++i) w.on_sample(all[i]);
+  EXPECT_TRUE(w.finish(1, 1)) << w.error();
+  const Recording r = read_recording(dir / "r.lcm");
+  EXPECT_EQ(r.damage.total(), 0) << r.damage.first_message;
+  EXPECT_EQ(r.samples.size(), all.size());
+  EXPECT_TRUE(r.end);
+}
+
+TEST(Recording, OneWhoseFolderIsRemovedIsMadeAgain) {
+  TemporaryFolder dir;
+  const std::string folder = dir / "out";
+  std::filesystem::create_directory(folder);
+  RecordingWriter w;
+  w.open(folder + "/r.lcm", session(), {});
+  const std::vector<Sample> all = stream(500);
+  for (size_t i = 0; i < all.size(); ++i) {
+    w.on_sample(all[i]);
+    if (i == 250) std::filesystem::remove_all(folder);
+  }
+  // It is back before the session ends: whatever kills that costs no more than it would have.
+  EXPECT_GT(read_recording(folder + "/r.lcm").samples.size(), 450u);
+  EXPECT_TRUE(w.finish(1, 1)) << w.error();
+  EXPECT_EQ(w.path(), folder + "/r.lcm");
+  const Recording r = read_recording(w.path());
+  EXPECT_EQ(r.damage.total(), 0) << r.damage.first_message;
+  EXPECT_EQ(r.samples.size(), all.size());
+}
+
+TEST(Recording, TheOneThatWasLeftIsFoundAndNoOther) {
+  TemporaryFolder dir;
+  const auto write = [&](const std::string& name, int samples, int64_t utc_ns, bool ends, uint64_t goes_on_with = 0) {
+    SessionInfo info = session();
+    info.utc_start_ns = utc_ns, info.seeds[SessionInfo::kGoesOnWith] = goes_on_with;
+    RecordingWriter w;
+    w.open(dir / name, info, {}, true);
+    for (const Sample& s : stream(samples)) w.on_sample(s);
+    ends ? w.finish(100'000, 1) : w.cut_short();
+  };
+  write("whole.lcm", 300, 1'000'000'000, true);
+  EXPECT_FALSE(unfinished_recording(dir / "whole.lcm"));
+  EXPECT_FALSE(longest_unfinished(dir / ""));
+  write("left.lcm", 200, 2'000'000'000, false);
+  write("shorter.lcm", 50, 3'000'000'000, false);
+  const auto left = longest_unfinished(dir / "");
+  ASSERT_TRUE(left);
+  EXPECT_EQ(std::filesystem::path(left->file).filename(), "left.lcm");
+  EXPECT_NEAR(left->length_s, double(time_of(stream(200).back())) * 1e-9, 1e-3);
+  // Somebody has gone on with it.
+  write("left-2.lcm", 250, 2'000'000'000, true, recording_mark(left->file));
+  const auto next = longest_unfinished(dir / "");
+  ASSERT_TRUE(next);
+  EXPECT_EQ(std::filesystem::path(next->file).filename(), "shorter.lcm");
+  // One that is being written is left by nobody.
+  RecordingWriter w;
+  w.open(next->file, session(), {}, true);
+  w.flush();
+  EXPECT_FALSE(unfinished_recording(next->file));
+  EXPECT_FALSE(longest_unfinished(dir / ""));
+}
+
+TEST(ContinuedSource, CountsOnAndLetsGo) {
+  StylusSample pressed;
+  pressed.device_id = 100, pressed.seq = 41, pressed.t_ns = 900, pressed.buttons = 3;
+  ControlSample control;
+  control.device_id = 7, control.seq = 5;
+  const auto earlier = std::make_shared<EarlierPart>(std::vector<Sample>{control, pressed}, 5000);
+  ASSERT_EQ(earlier->let_go().size(), 1u);
+  const auto released = std::get<StylusSample>(earlier->let_go()[0]);
+  EXPECT_EQ(released.buttons, 0u);
+  EXPECT_EQ(released.seq, 42);
+  EXPECT_EQ(released.t_ns, 5000);
+  EXPECT_EQ(released.device_id, 100);
+  // Another stylus takes its place; a third device stays what it is.
+  StylusSample first, second;
+  first.device_id = 400, first.seq = 9, first.t_ns = 10;
+  second = first, second.seq = 12, second.t_ns = 20;
+  StylusSample other = first;
+  other.device_id = 500;
+  control.seq = 0, control.t_ns = 15;
+  ContinuedSource source(std::make_unique<LogSource>(std::vector<Sample>{first, control, second, other}), earlier);
+  struct : SampleSink {
+    std::vector<Sample> got;
+    void on_sample(const Sample& s) override { got.push_back(s); }
+  } sink;
+  source.poll(4999, sink);
+  EXPECT_TRUE(sink.got.empty());
+  source.poll(5100, sink);
+  ASSERT_EQ(sink.got.size(), 4u);
+  std::vector<Sample> all{Sample(pressed), earlier->let_go()[0]};
+  std::map<std::pair<int, int32_t>, StreamOrder> order;
+  int64_t gap = 0;
+  all.insert(all.end(), sink.got.begin(), sink.got.end());
+  int same_stylus = 0;
+  for (const Sample& s : all)
+    std::visit(
+        [&](const auto& v) {
+          EXPECT_TRUE((order[{stream_of(v), v.device_id}].accept(v.seq, v.t_ns, gap)));
+          same_stylus += stream_of(v) == 0 && v.device_id == 100;
+        },
+        s);
+  EXPECT_EQ(same_stylus, 4);
+  EXPECT_EQ(time_of(sink.got.back()), 5020);
+  EXPECT_EQ(order.size(), 3u);
 }
 
 TEST(Recording, HostileBytesNeverDoHarm) {

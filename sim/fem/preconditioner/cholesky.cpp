@@ -1,5 +1,7 @@
 #include "sim/fem/preconditioner/cholesky.h"
 
+#include <algorithm>
+#include <new>
 #include <stdexcept>
 
 #include "sim/fem/preconditioner/cholmod_view.h"
@@ -29,8 +31,10 @@ SupernodalShape analyze(const ScalarMatrix& A, std::span<const int32_t> order) {
     shape.super = list(L->super, L->nsuper + 1), shape.rows_begin = list(L->pi, L->nsuper + 1);
     shape.rows = list(L->s, size_t(shape.rows_begin.back()));
   }
+  const bool no_memory = common.status == CHOLMOD_OUT_OF_MEMORY;
   cholmod_free_factor(&L, &common);
   cholmod_finish(&common);
+  if (!ok && no_memory) throw std::bad_alloc();
   if (!ok) throw std::runtime_error("the scalar stiffness matrix could not be analysed");
   return shape;
 }

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <atomic>
+#include <new>
 #include <numeric>
 
 namespace limberg::fem {
@@ -137,6 +138,8 @@ void Preconditioner::submit(double mass_per_s2) {
         result->ordered_bytes = factor->panels.bytes();
       }
       result->factor = std::move(factor);
+    } catch (const std::bad_alloc&) {
+      throw;  // what a session comes to must not depend on what else takes memory
     } catch (const std::exception&) {
       result->factor.reset();  // the cycle stays in use
     }
@@ -146,7 +149,13 @@ void Preconditioner::submit(double mass_per_s2) {
 }
 
 void Preconditioner::adopt() {
-  pending_->job->wait();
+  try {
+    pending_->job->wait();
+  } catch (...) {  // no memory: who goes on all the same, goes on with the cycle
+    pending_.reset();
+    now_.has_no_factor = true;
+    throw;
+  }
   if (pending_->result->factor) {
     now_.factor = pending_->result->factor;
     now_.folded = std::move(pending_->folded);

@@ -1,0 +1,19 @@
+#pragma once
+// A recording as the session that it is of: what replay does again, and run --continue goes on with.
+#include <string>
+
+#include "app/commands/session_command.h"
+
+namespace limberg {
+
+/// Reads it. InputError: it cannot be read, or holds no session or no sample.
+Recording open_session(const std::string& file);
+
+/// Scene, calibration, rates and expected hashes of it; says what is damaged. InputError: its scene is not whole.
+void take_session(SessionCall& call, const Recording& recording, const std::string& file);
+
+/// Its samples: as its threads took them then, where they were recorded so, are whole and `as_it_was`; else as a source
+/// on an even clock.
+void take_samples(SessionCall& call, Recording recording, const std::string& file, bool as_it_was);
+
+}  // namespace limberg
