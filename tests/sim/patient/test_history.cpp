@@ -271,7 +271,7 @@ TEST(History, KeepsTheNewestThousandActs) {
   for (; past.can_undo(); ++taken) oldest = past.last(), past.went_back();
   EXPECT_EQ(taken, int(History<int>::kMost));
   EXPECT_EQ(oldest, 3);
-  for (int k = 3; past.can_redo(); ++k) EXPECT_EQ(past.last_undone(), k), past.went_forth();
+  for (int k = 3; past.can_redo(); ++k, past.went_forth()) ASSERT_EQ(past.last_undone(), k);
   EXPECT_EQ(past.last(), all - 1);
 }
 
