@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
-# The two commands of Limberg, and seven for those who work on it.
+# The two commands of Limberg, and eight for those who work on it.
 #   ./do demo [NAME]   build, then replay a shipped recording headless into out/demo (default: rhomboid)
 #   ./do test          check the format, build, run every test, and name what was skipped
 #   ./do build         build only; the binary is build/limberg
 #   ./do sanitize      every test under AddressSanitizer + UBSan, then under ThreadSanitizer (hours; 'address' or 'thread': one)
+#   ./do fuzz [SECONDS] [ENTRY ...]  readers and packets under libFuzzer, each so long (600 s), from tests/fuzz/corpus and back into it
 #   ./do record [NAME] build, then make the recorded stream of a shipped script anew
 #   ./do bench [SUITE] run a benchmark suite (default: speed); for cutting CGAL is installed too, to compare with
 #   ./do figures [RESULT.json ...] keep results of limberg bench in docs/figures, write docs/figures.md
@@ -115,6 +116,13 @@ case "${1:-help}" in
       run_tests "build-$preset" 7200
     done
     ;;
+  fuzz)  # clang for this alone
+    packages+=(clang-16 libclang-rt-16-dev)
+    ensure_packages
+    [ -f build-fuzz/build.ninja ] || cmake --preset fuzz >/dev/null
+    cmake --build build-fuzz --parallel "$(jobs)" --target limberg_fuzzer
+    tests/fuzz/run.sh "${@:2}"
+    ;;
   demo)
     build limberg
     demo "${2:-rhomboid}"
@@ -148,5 +156,5 @@ case "${1:-help}" in
   format)
     git ls-files '*.h' '*.cpp' | xargs clang-format -i
     ;;
-  *) sed -n '2,10s/^# \{0,1\}//p' "$0"; exit 2 ;;
+  *) sed -n '2,11s/^# \{0,1\}//p' "$0"; exit 2 ;;
 esac

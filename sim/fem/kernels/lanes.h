@@ -19,6 +19,24 @@
 
 namespace limberg::fem::LIMBERG_SET {
 
+#ifdef __clang__  // knows shuffles by constants only: the same elements in the same order, found out by its optimiser
+template <class V, class Mask>
+LIMBERG_INLINE V shuffled(V a, V b, Mask m) {
+  constexpr auto n = int(sizeof(V) / sizeof(a[0]));
+  V r = a;
+  for (int k = 0; k < n; ++k) {
+    const auto from = int(m[k]) & (2 * n - 1);
+    r[k] = from < n ? a[from] : b[from - n];
+  }
+  return r;
+}
+template <class V, class Mask>
+LIMBERG_INLINE V shuffled(V a, Mask m) {
+  return shuffled(a, a, m);
+}
+#define __builtin_shuffle shuffled
+#endif
+
 /// One register: `parts` of them hold sixteen floats.
 #if LIMBERG_LANES == 512
 typedef float part __attribute__((vector_size(64)));
