@@ -255,7 +255,8 @@ class Reader {
     const bool follows = all.empty()
                              ? r.tick >= 0 && r.snapshot >= 0
                              : r.tick >= all.back().tick + all.back().count && r.snapshot >= all.back().snapshot;
-    if (!follows || row[2] < 1 || row[2] > kMaxRun || row[3] < 0 || row[3] > kMaxRun || r.tick > kMostTicks) return false;
+    if (!follows || row[2] < 1 || row[2] > kMaxRun || row[3] < 0 || row[3] > kMaxRun || r.tick > kMostTicks)
+      return false;
     all.push_back(r);
     return true;
   }

@@ -28,7 +28,9 @@ double angle_deg(const Vec3& a, const Vec3& at, const Vec3& b) {
 }  // namespace
 
 int picked_number(const std::string& name) {
-  if (name.size() < 2 || name.size() > 9 || name[0] != 'M' || name.find_first_not_of("0123456789", 1) != std::string::npos) return 0;
+  if (name.size() < 2 || name.size() > 9 || name[0] != 'M' ||
+      name.find_first_not_of("0123456789", 1) != std::string::npos)
+    return 0;
   return std::atoi(name.c_str() + 1);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// Entry points for fuzzers: bytes from outside, given to what reads them. libFuzzer calls them (fuzzer.cpp, CMake
-// option LIMBERG_FUZZERS, ./do fuzz); an ordinary test runs each over its sound inputs, over damaged ones and over its
+// Entry points for fuzzers: bytes from outside, given to what reads them. libFuzzer calls them (fuzzer.cpp,
+// ./do fuzz); an ordinary test runs each over its sound inputs, over damaged ones and over its
 // corpus (test_entries.cpp), and another finds what reads bytes and has no entry (test_readers_covered.cpp).
 //
 // A reader may refuse the bytes, with an InputError that names the file and gives a reason, or take them and hand over

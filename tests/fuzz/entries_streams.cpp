@@ -63,7 +63,8 @@ std::string unsound(const Recording& r) {
       for (const float x : s.at_mm[size_t(k)])
         if (!std::isfinite(x)) return "a state at no place was taken";
   for (const DeviceRun& d : r.schedule.device)
-    if (d.count < 1 || d.samples < 0 || d.tick + d.count > kMostTicks + 1'000'000) return "a row of ticks that cannot be";
+    if (d.count < 1 || d.samples < 0 || d.tick + d.count > kMostTicks + 1'000'000)
+      return "a row of ticks that cannot be";
   if (r.end && r.end->tick > kMostTicks) return "a replay of it would not end";
   return "";
 }

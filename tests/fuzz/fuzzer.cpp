@@ -1,4 +1,4 @@
-// The libFuzzer program (CMake option LIMBERG_FUZZERS, clang): LIMBERG_FUZZ_ENTRY names the entry.
+// The libFuzzer program: LIMBERG_FUZZ_ENTRY names the entry.
 //
 //   build-fuzz/limberg_fuzzer --entries                                  their names
 //   LIMBERG_FUZZ_ENTRY=OBJ build-fuzz/limberg_fuzzer --corpus=CORPUS     writes the sound inputs there

@@ -164,7 +164,8 @@ TEST_F(Files, BrokenFilesHaveAMessage) {
                   .find("outside of the header's folder"),
               std::string::npos)
         << outside;
-  EXPECT_NE(message(kMeta + "ElementType = MET_SHORT\nElementDataFile = ../a.raw\n").find("outside"), std::string::npos);
+  EXPECT_NE(message(kMeta + "ElementType = MET_SHORT\nElementDataFile = ../a.raw\n").find("outside"),
+            std::string::npos);
   EXPECT_NE(with("encoding: raw\n\n", "encoding: raw\nbyte skip: 99999\n\n").find("skip"), std::string::npos);
   // 400 bytes that promise a gigabyte: none of it is asked for.
   {
