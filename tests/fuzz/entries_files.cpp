@@ -62,7 +62,7 @@ Entry reader_entry(const bench::Reader& reader, const Folder& folder) {
 /// A surface as the body of a patient: snapped, welded and validated exactly.
 Entry body_entry() {
   return text_entry("body", {"sim/body/obj.cpp", "sim/geometry/io/obj_text.cpp"},
-                    {obj_file(), "v 0 0 0\nv 30 0 0\nv 0 20 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"},
+                    {"v 0 0 0\nv 30 0 0\nv 0 20 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"},
                     [](const std::string& text) -> std::string {
                       ObjSpec spec;
                       spec.path = kNamed;

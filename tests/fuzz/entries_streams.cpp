@@ -278,13 +278,12 @@ Entry conversation_entry() {
     void on_reading(const TrackerSample& s) override { unsound |= !s.pos_mm.allFinite() || s.t_ns < 0; }
     bool unsound = false;
   };
-  const std::string replies = "21S0 3.02 1 Fastrak          \r\n", active = "21l1100\r\n";
+  const std::string replies = "21S 0000 3.02 a FASTRAK that speaks for a test    \r\n", active = "21l1100\r\n";
   const auto lump = [](const std::string& s) { return char(s.size()) + s; };
-  Entry e{
-      "conversation",
-      {"devices/fastrak/link.cpp", "devices/fastrak/source.cpp", "devices/fastrak/port.cpp"},
-      {lump("") + lump("") + lump(replies) + lump(replies) + lump(active) + lump(active) + lump(tracker_line(true))},
-      {}};
+  Entry e{"conversation",
+          {"devices/fastrak/link.cpp", "devices/fastrak/source.cpp", "devices/fastrak/port.cpp"},
+          {lump("") + lump(replies) + lump(active) + lump(tracker_line(true))},
+          {}};
   e.run = [](std::string_view bytes, bool& taken) -> std::string {
     Link link{LinkSettings{}};
     Take take;

@@ -41,12 +41,10 @@ poisson = 0.45
 cell_mm = 5
 )";
 
-constexpr const char *kResult = R"({"limberg": {"version": "0.1.0", "commit": "abc"}, "command": "replay",
+constexpr const char* kResult = R"json({"limberg": {"version": "0.1.0", "commit": "abc"}, "command": "replay",
 "scene": "rhomboid", "ok": false, "machine": {"cpu": "Some CPU", "cores": 2}, "mode": "lockstep", "duration_s": 60.5,
 "state_hash": "00ff", "parts": ["cutter"], "memory_mb": 300, "reproduce": "limberg replay x.lcm",
-"verdict": [{"what": "gape", "value": 3, "unit": "mm", "limit": 1, "place": "(1, 2)",
-                     "bad" : true
-}],
+"verdict": [{"what": "gape", "value": 3, "unit": "mm", "limit": 1, "place": "(1, 2)", "bad": true}],
 "device": {"ticks": 605, "late_ticks": 3, "wake_us": {"p50": 20, "max": 5000}, "work_us": {"p50": 10}},
 "solver": {"steps": 3630, "step_ms": {"p50": 8}, "residual": 3.2e-5}, "render": {"frames": 9, "frame_ms": {"p50": 20}},
 "metrics": {"pieces": 1, "closure_force_N": 7.25, "sutures": [{"id": 1, "force_N": 2.75, "gap_mm": 0.12}, {"id": 3}]},
@@ -58,8 +56,7 @@ constexpr const char *kResult = R"({"limberg": {"version": "0.1.0", "commit": "a
 "tables": [{"title": "t", "about": "a", "columns": ["x", "y"], "rows": [["1", "2"]]}],
 "charts": [{"title": "c", "x": "mm", "y": "N", "series": [{"name": "s", "x": [1, 2], "y": [3, 4]}]}],
 "gallery": [{"picture": "a.png", "caption": "b"}], "exercise": {"time_s": 3},
-"script": [{"action": "excise", "depth_mm": 4}, "{\"action\":\"stage\",\"name\":\"cut\"}"]
-})";
+"script": [{"action": "excise", "depth_mm": 4}, "{\"action\":\"stage\",\"name\":\"cut\"}"]})json";
 
 Entry script_entry() {
   return text_entry(

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 /// What only readers of bytes have in them.
 constexpr const char* kSigns[] = {"read_whole_file", "OpenedFile",  "read_beginning(", "std::ifstream",
                                   "::parse(",        "parse_toml(", "inflate(",        "png_create_read_struct(",
-                                  "decode_message(", "::recvfrom(", "::recv(",         "::read(",
+                                  "decode_message(", "::recvfrom(", "::recv(",         " ::read(",
                                   "port.read(",      "std::fread(", "std::fgets("};
 
 /// What reads nothing from outside that could be formed by another, or hands all of it to readers that have entries.
