@@ -1,6 +1,6 @@
 #pragma once
-// Finished trials of a sweep in a file: a line that names the scene and the kind of sweep, then one line per trial, with
-// tabs between its numbers. A sweep that was stopped goes on behind them.
+// Finished trials of a sweep in a file: a line that names the scene and the kind of sweep, then one line per trial,
+// with tabs between its numbers. A sweep that was stopped goes on behind them.
 #include <map>
 #include <string>
 #include <vector>
@@ -16,8 +16,8 @@ std::string kept_line(const AccuracyTrial& trial);
 
 class KeptTrials {
  public:
-  /// Takes what the file holds of this sweep, and begins the file anew where it is of another one. An empty name: nothing
-  /// is kept. InputError: the file cannot be read or written.
+  /// Takes what the file holds of this sweep, and begins the file anew where it is of another one. An empty name:
+  /// nothing is kept. InputError: the file cannot be read or written.
   KeptTrials(const std::string& file, const std::string& title);
   const AccuracyTrial* find(const AccuracyTrial& trial) const;
   void add(const AccuracyTrial& trial) const;

@@ -5,8 +5,8 @@
 
 namespace limberg {
 
-/// In quotes, its own quotes doubled. A spreadsheet takes what begins with = + - @ for a formula, and carries it out: such
-/// text begins with an apostrophe.
+/// In quotes, its own quotes doubled. A spreadsheet takes what begins with = + - @ for a formula, and carries it out:
+/// such text begins with an apostrophe.
 inline std::string csv_text(std::string_view text) {
   std::string cell = "\"";
   if (!text.empty() && std::string_view("=+-@\t\r").find(text[0]) != std::string_view::npos) cell += '\'';

@@ -1,5 +1,5 @@
-// A script does not depend on acts that it takes back: strokes, stitches, rows, hooks and threads cut, undone at once or
-// several together, undone and done again, anywhere between the acts that stay.
+// A script does not depend on acts that it takes back: strokes, stitches, rows, hooks and threads cut, undone at once
+// or several together, undone and done again, anywhere between the acts that stay.
 #include <gtest/gtest.h>
 
 #include <string>

@@ -270,8 +270,8 @@ Entry line_entry(bool binary) {
   return e;
 }
 
-/// The conversation with a tracker that says what it likes: every byte is a lump of so many of the next ones, which come
-/// half a second apart.
+/// The conversation with a tracker that says what it likes: every byte is a lump of so many of the next ones, which
+/// come half a second apart.
 Entry conversation_entry() {
   using namespace fastrak;
   struct Take final : Link::Receiver {

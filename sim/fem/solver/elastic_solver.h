@@ -22,7 +22,7 @@ struct StepSettings {
   double dt_s = 0;       // 0 = quasi-static; otherwise one step of `integrator`
   Integrator integrator = Integrator::backward_euler;
   double damping_per_s = 0;  // mass-proportional, dynamic steps only
-  // What the iterations before have found is forgotten: how this step goes on depends on the state and its path() alone.
+  // What the iterations before have found is forgotten: how this step goes on depends on the state and path() alone.
   bool afresh = false;
   // > 0: stop after the iterate that has gone farther than this from the start, slivers' nodes aside
   double most_move_mm = 0;

@@ -35,8 +35,8 @@ void sizes(Header& h, std::string_view s, const std::string& file, int line) {
   }
 }
 
-/// Of the file with the data: in the header's folder or below it. A header from elsewhere does not say which other files
-/// of this machine are read.
+/// Of the file with the data: in the header's folder or below it. A header from elsewhere does not say which other
+/// files of this machine are read.
 std::string name_of(std::string_view s, const std::string& file, int line) {
   for (const char c : s)
     if (static_cast<unsigned char>(c) < ' ' || c == 127)
