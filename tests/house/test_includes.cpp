@@ -141,7 +141,8 @@ bool devices_rule(const Include& i) {
 bool render_rule(const Include& i) { return !own(i.target) || wing(i.target) == "render" || read_only_sim(i.target); }
 // Calibration links nothing of sim; it shares only the words of the house: vectors, errors, hashes, files.
 bool calibration_rule(const Include& i) {
-  static const std::set<std::string> words{"sim/geometry/vec.h", "sim/base/error.h", "sim/base/hash.h", "sim/base/whole_file.h"};
+  static const std::set<std::string> words{"sim/geometry/vec.h", "sim/base/error.h", "sim/base/hash.h",
+                                           "sim/base/whole_file.h"};
   return !own(i.target) || wing(i.target) == "calibration" || words.contains(i.target);
 }
 
