@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
-# The two commands of Limberg, and seven for those who work on it.
+# The two commands of Limberg, and eight for those who work on it.
 #   ./do demo [NAME]   build, then replay a shipped recording headless into out/demo (default: rhomboid)
 #   ./do test          check the format, build, run every test, and name what was skipped
 #   ./do build         build only; the binary is build/limberg
 #   ./do sanitize      every test under AddressSanitizer + UBSan, then under ThreadSanitizer (hours; 'address' or 'thread': one)
+#   ./do fuzz [SECONDS] [ENTRY ...]  readers and packets under libFuzzer, each so long (600 s), from tests/fuzz/corpus and back into it
 #   ./do record [NAME] build, then make the recorded stream of a shipped script anew
 #   ./do bench [SUITE] run a benchmark suite (default: speed); for cutting CGAL is installed too, to compare with
 #   ./do figures [RESULT.json ...] keep results of limberg bench in docs/figures, write docs/figures.md
@@ -116,6 +117,14 @@ case "${1:-help}" in
       run_tests "build-$preset" 7200
     done
     ;;
+  fuzz)  # readers anew with clang, the rest as build/ has it
+    packages+=(clang-16 libclang-rt-16-dev)
+    ensure_packages
+    build limberg
+    [ -f build-fuzz/build.ninja ] || cmake -S tests/fuzz -B build-fuzz -G Ninja -DCMAKE_CXX_COMPILER=clang++-16 >/dev/null
+    cmake --build build-fuzz --parallel "$(jobs)"
+    tests/fuzz/run.sh "${@:2}"
+    ;;
   demo)
     build limberg
     demo "${2:-rhomboid}"
@@ -149,5 +158,5 @@ case "${1:-help}" in
   format)
     git ls-files '*.h' '*.cpp' | xargs clang-format -i
     ;;
-  *) sed -n '2,10s/^# \{0,1\}//p' "$0"; exit 2 ;;
+  *) sed -n '2,11s/^# \{0,1\}//p' "$0"; exit 2 ;;
 esac

@@ -40,6 +40,9 @@ struct SessionInfo {
   int64_t utc_start_ns = 0;  // of tick 0; 0: unknown
 };
 
+/// A day of ticks: nothing in a recording is later, as no sample is, so that a replay comes to its end.
+inline constexpr int64_t kMostTicks = 86'400'000;
+
 enum class BlobKind : int32_t { scene = 1, calibration = 2, mesh = 3, script = 4, texture = 5, tissues = 6 };
 
 /// A file that the run needs, embedded.

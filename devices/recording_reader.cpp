@@ -90,6 +90,7 @@ class Reader {
  private:
   static constexpr const char* kNoChecksum = "no checksum in a stream that has them";
   static constexpr const char* kOutOfOrder = "sequence or time does not grow";
+  static constexpr const char* kTooLate = "later than a day after the beginning";
 
   /// Samples without a checksum in front of the first one that has it, in a stream that has them: damaged as well.
   void leave_out_unchecked() {
@@ -193,6 +194,7 @@ class Reader {
     limberg_msg::checkpoint_t m;
     if (const char* wrong = decode_message(e.data, e.size, m)) return wrong;
     if (m.tick < 0) return "negative tick";
+    if (m.tick > kMostTicks) return kTooLate;
     if (!r_.checkpoints.empty() && m.tick < r_.checkpoints.back().tick) return kOutOfOrder;
     r_.checkpoints.push_back({m.tick, uint64_t(m.hash)});
     return nullptr;
@@ -256,7 +258,8 @@ class Reader {
     const bool follows = all.empty()
                              ? r.tick >= 0 && r.snapshot >= 0
                              : r.tick >= all.back().tick + all.back().count && r.snapshot >= all.back().snapshot;
-    if (!follows || row[2] < 1 || row[2] > kMaxRun || row[3] < 0 || row[3] > kMaxRun || r.tick > kMaxTick) return false;
+    if (!follows || row[2] < 1 || row[2] > kMaxRun || row[3] < 0 || row[3] > kMaxRun || r.tick > kMostTicks)
+      return false;
     all.push_back(r);
     return true;
   }
@@ -265,8 +268,8 @@ class Reader {
     const SolverTake t{row[0], row[1], row[2], row[3], row[4], uint64_t(row[5]), uint64_t(row[6])};
     std::vector<SolverTake>& all = r_.schedule.solver;
     const SolverTake before = all.empty() ? SolverTake{} : all.back();
-    if (t.step != before.step + 1 || t.tick < before.tick || t.tick > kMaxTick || t.hand_tick < before.hand_tick ||
-        t.hand_tick > kMaxTick || t.events < before.events || t.stop_at < 0)
+    if (t.step != before.step + 1 || t.tick < before.tick || t.tick > kMostTicks || t.hand_tick < before.hand_tick ||
+        t.hand_tick > kMostTicks || t.events < before.events || t.stop_at < 0)
       return false;
     all.push_back(t);
     return true;
@@ -277,11 +280,12 @@ class Reader {
     if (const char* wrong = decode_message(e.data, e.size, m)) return wrong;
     if (r_.end) return "a second end";
     if (m.tick < 0 || m.events < 0) return "negative count";
+    if (m.tick > kMostTicks) return kTooLate;
     r_.end = RecordingEnd{m.tick, m.events, uint64_t(m.hash)};
     return nullptr;
   }
 
-  static constexpr int64_t kMaxRun = 1'000'000, kMaxTick = int64_t(1) << 40;
+  static constexpr int64_t kMaxRun = 1'000'000;
   LogReader& log_;
   Recording r_;
   int64_t schedule_seq_[2] = {0, 0};  // of the next message of each kind

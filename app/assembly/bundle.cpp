@@ -72,7 +72,14 @@ Unbundled unbundle_scene(const Recording& rec, const std::string& file) {
                              ", which is in another one's way; expected paths of files beside each other");
       write_whole_file(at.string(), b.data);
     }
-    out.scene = parse_scene(scene->data, (folder / "scene.toml").string());
+    const std::string at = (folder / "scene.toml").string();
+    try {
+      out.scene = parse_scene(scene->data, at);
+    } catch (const InputError& e) {  // of a file that nobody has named
+      std::string what = e.what();
+      for (size_t k = what.find(at); k != std::string::npos; k = what.find(at)) what.replace(k, at.size(), "scene");
+      throw InputError(file, 0, "holds a scene that cannot be read (" + what + "); expected a whole one");
+    }
     out.files = tmp;
   }
   if (!scene->name.empty()) out.scene.name = scene->name;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "app/session/clock.h"
 #include "sim/base/error.h"
@@ -57,6 +58,7 @@ class Operation {
   }
 
   void rest(double residual, int steps) {
+    afresh_ = true;
     for (int i = 0; i < steps; ++i) {
       step(residual);
       if ((out.last.residual <= residual && patient_.settled()) || (set_.interrupted && set_.interrupted())) return;
@@ -68,6 +70,8 @@ class Operation {
     StepSettings s;
     s.max_iterations = set_.iterations;
     s.tolerance = tolerance;
+    // Where an act leads must not depend on acts before it that were undone.
+    s.afresh = std::exchange(afresh_, false);
     const int64_t before = RealClock::monotonic_ns();
     out.last = patient_.step(s);
     out.iterations += out.last.iterations;
@@ -89,6 +93,7 @@ class Operation {
     const auto at = handle_.find(m.id);
     if (at == handle_.end()) return patient_.apply(m);  // World says what is wrong
     const Vec3 from = at->second;
+    afresh_ = true;
     const int n = std::max(1, int(std::ceil((m.to_mm - from).norm() / set_.hook_step_mm)));
     for (int i = 1; i <= n; ++i) {
       const Outcome o = patient_.apply(MoveHook{m.id, from + (m.to_mm - from) * (double(i) / n), 0});
@@ -121,8 +126,9 @@ class Operation {
   }
 
   Patient& patient_;
-  RigidMove dragged_;   // since the grab
-  bool bones_ = false;  // were acted on
+  RigidMove dragged_;    // since the grab
+  bool bones_ = false;   // were acted on
+  bool afresh_ = false;  // the next step is the first of an act
   const OperationSettings& set_;
   Snapshot now_;
   std::map<int, Vec3> handle_;

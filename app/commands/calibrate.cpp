@@ -6,7 +6,6 @@
 #include <ctime>
 #include <filesystem>
 #include <map>
-#include <sstream>
 
 #include "app/commands/commands.h"
 #include "app/result/output.h"
@@ -14,6 +13,7 @@
 #include "calibration/distortion.h"
 #include "calibration/glove_range.h"
 #include "calibration/pivot.h"
+#include "calibration/points_file.h"
 #include "calibration/registration.h"
 #include "devices/glove.h"
 #include "devices/recording.h"
@@ -133,31 +133,11 @@ std::vector<Touch> touches(const std::vector<StylusSample>& readings, const Cali
   return all;
 }
 
-std::vector<Vec3> read_points(const std::string& file) {
-  std::istringstream in(read_whole_file(file, 1 << 20));
-  std::vector<Vec3> p;
-  std::string text;
-  for (int n = 1; std::getline(in, text); ++n) {
-    if (const size_t hash = text.find('#'); hash != std::string::npos) text.resize(hash);
-    for (char& ch : text)
-      if (ch == ',' || ch == ';') ch = ' ';
-    std::istringstream words(text);
-    Vec3 v;
-    std::string rest;
-    if (!(words >> rest)) continue;
-    words.clear(), words.str(text);
-    if (!(words >> v.x() >> v.y() >> v.z()) || (words >> rest) || !v.allFinite() || v.norm() > 1e5)
-      throw InputError(file, n, "is no point; expected x y z in mm of the world");
-    p.push_back(v);
-  }
-  return p;
-}
-
 int world(const CalibrateOptions& o, const Recording& rec, Calibration c) {
   if (o.points.empty())
     throw InputError(
         "", 0, "calibrate world without --points; expected a file with a line x y z in mm for each touched point");
-  const std::vector<Vec3> known = read_points(o.points);
+  const std::vector<Vec3> known = parse_points(read_whole_file(o.points, 1 << 20), o.points);
   const std::vector<Touch> touch = touches(stylus_readings(rec, o.log), c);
   constexpr double kStill = 1.5;  // mm RMS: twice the static accuracy of the device
   for (size_t i = 0; i < touch.size(); ++i)

@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <sstream>
 
 #include "app/commands/commands.h"
 #include "app/commands/numbers.h"
@@ -20,6 +19,7 @@
 #include "sim/base/error.h"
 #include "sim/imaging/io/surface_file.h"
 #include "sim/imaging/io/volume.h"
+#include "sim/imaging/register/landmark_pairs.h"
 #include "sim/imaging/register/registration.h"
 #include "sim/imaging/register/superposition.h"
 
@@ -33,22 +33,6 @@ struct SuperposeOptions {
   double keep = 0.7;
   CommonOptions common;
 };
-
-/// Lines of a name and six numbers: where it is in A, and in B (mm). # begins a comment.
-void read_landmarks(const std::string& file, std::vector<Vec3>& a, std::vector<Vec3>& b) {
-  std::istringstream in(read_whole_file(file, size_t(16) << 20));
-  std::string line, name;
-  for (int n = 1; std::getline(in, line); ++n) {
-    line = line.substr(0, line.find('#'));
-    std::istringstream words(line);
-    if (!(words >> name)) continue;
-    double v[6];
-    for (double& x : v)
-      if (!(words >> x) || !std::isfinite(x))
-        throw InputError(file, n, "expected a name and six numbers: x y z of it in A, then in B, in mm");
-    a.emplace_back(v[0], v[1], v[2]), b.emplace_back(v[3], v[4], v[5]);
-  }
-}
 
 /// mirror: the plane.
 struct ResultMirror {
@@ -180,9 +164,8 @@ int images(const SuperposeOptions& o, Result& result, ResultSuperposition& found
   const Volume a = load_volume(o.a, o.series_a), b = load_volume(o.b, o.series_b);
   RegistrationSettings s;
   if (!o.landmarks.empty()) {
-    std::vector<Vec3> from, to;
-    read_landmarks(o.landmarks, from, to);
-    const LandmarkFit f = fit_landmarks(from, to, false);
+    const LandmarkPairs pairs = parse_landmark_pairs(read_whole_file(o.landmarks, size_t(16) << 20), o.landmarks);
+    const LandmarkFit f = fit_landmarks(pairs.a_mm, pairs.b_mm, false);
     if (!f) throw InputError(o.landmarks, 0, f.reason);
     s.start = f.map;
   }
@@ -256,12 +239,11 @@ int run_superpose(const SuperposeOptions& o) {
   const SurfaceTarget target(b);
   Similarity start;
   if (!o.landmarks.empty()) {
-    std::vector<Vec3> from, to;
-    read_landmarks(o.landmarks, from, to);
-    const LandmarkFit f = fit_landmarks(from, to, o.scale);
+    const LandmarkPairs pairs = parse_landmark_pairs(read_whole_file(o.landmarks, size_t(16) << 20), o.landmarks);
+    const LandmarkFit f = fit_landmarks(pairs.a_mm, pairs.b_mm, o.scale);
     if (!f) throw InputError(o.landmarks, 0, f.reason);
-    std::printf("landmarks   %zu pairs, rms %.3f mm, at most %.3f mm\n", from.size(), f.rms_mm, f.max_mm);
-    found.landmarks = {from.size(), f.rms_mm, f.max_mm};
+    std::printf("landmarks   %zu pairs, rms %.3f mm, at most %.3f mm\n", pairs.a_mm.size(), f.rms_mm, f.max_mm);
+    found.landmarks = {pairs.a_mm.size(), f.rms_mm, f.max_mm};
     start = f.map;
   }
   Similarity map = start;

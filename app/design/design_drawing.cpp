@@ -5,18 +5,13 @@
 #include <numbers>
 
 #include "sim/base/text.h"
+#include "sim/base/xml_text.h"
 
 namespace limberg {
 namespace {
 
 constexpr double kCard = 236, kPlan = 200, kText = 86, kDrawingGap = 12, kHead = 58;
 constexpr const char *kForce = "#a3262e", *kEar = "#c98a1b", *kLandmark = "#1b6ca8";
-
-std::string escaped(const std::string& s) {
-  std::string out;
-  for (const char c : s) out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : std::string(1, c);
-  return out;
-}
 
 /// What a design draws on the skin, as its commands say.
 struct Lines {
@@ -115,7 +110,7 @@ std::string ranking_svg(const std::vector<Design>& found, const DesignTask& task
       const Vec2 q = card.at(m.at);
       s += text("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"3.5\" fill=\"%s\"/><text x=\"%.1f\" y=\"%.1f\" fill=\"%s\">",
                 q.x(), q.y(), kLandmark, q.x() + 6, q.y() + 4, kLandmark) +
-           escaped(m.name) + "</text>\n";
+           xml_text(m.name) + "</text>\n";
     }
     const std::string size = d.plan.values.empty() ? "" : text("%.3g mm, ", d.plan.values[0].second);
     s += text("<text x=\"%.1f\" y=\"%.1f\" font-size=\"14\">%zu. %s</text>\n", corner.x() + 2, corner.y() + kPlan + 17,

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
@@ -82,14 +83,9 @@ std::optional<HeadModel> read(const fs::path& folder) {
     const std::string_view rest = std::string_view(text).substr(kFirstLine);
     if (!text.starts_with(first_line(mesh, rest))) return {};
     for (int k = 0; k < 3; ++k) part(m, k) = simplex::parse_mesh(mesh[size_t(k)], kPartNames[k]);
-    std::istringstream in{std::string(rest)};
-    std::string name, x[3];
-    while (in >> name >> x[0] >> x[1] >> x[2]) {
-      Vec3 at;
-      for (int k = 0; k < 3; ++k)
-        if (std::from_chars(x[k].data(), x[k].data() + x[k].size(), at[k]).ec != std::errc()) return {};
-      m.landmarks.emplace_back(name, at);
-    }
+    auto landmarks = parse_kept_landmarks(rest);
+    if (!landmarks) return {};
+    m.landmarks = std::move(*landmarks);
     return m;
   } catch (const InputError&) {
     return {};  // damaged: it is made anew
@@ -125,6 +121,24 @@ void keep(const fs::path& folder, HeadModel& m) {
 }
 
 }  // namespace
+
+std::optional<std::vector<std::pair<std::string, Vec3>>> parse_kept_landmarks(std::string_view text) {
+  std::vector<std::pair<std::string, Vec3>> all;
+  std::istringstream in{std::string(text)};
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream words(line);
+    std::string name, x[3], rest;
+    if (!(words >> name >> x[0] >> x[1] >> x[2]) || words >> rest) return {};
+    Vec3 at;
+    for (int k = 0; k < 3; ++k) {
+      const char* end = x[k].data() + x[k].size();
+      const auto r = std::from_chars(x[k].data(), end, at[k]);
+      if (r.ec != std::errc() || r.ptr != end || !(std::abs(at[k]) <= simplex::FileLimits::extent_mm)) return {};
+    }
+    all.emplace_back(name, at);
+  }
+  return all;
+}
 
 HeadModel cached_head(const HeadSpec& spec, Workers& workers) {
   return cached_head(spec, workers, cache_folder().string());

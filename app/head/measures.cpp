@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <numbers>
 
+#include "sim/base/csv_text.h"
 #include "sim/measure/cephalometry.h"
 
 namespace limberg {
@@ -27,7 +28,9 @@ double angle_deg(const Vec3& a, const Vec3& at, const Vec3& b) {
 }  // namespace
 
 int picked_number(const std::string& name) {
-  if (name.size() < 2 || name[0] != 'M' || name.find_first_not_of("0123456789", 1) != std::string::npos) return 0;
+  if (name.size() < 2 || name.size() > 9 || name[0] != 'M' ||
+      name.find_first_not_of("0123456789", 1) != std::string::npos)
+    return 0;
   return std::atoi(name.c_str() + 1);
 }
 
@@ -75,9 +78,7 @@ std::string to_csv(const std::vector<HeadMeasure>& measures) {
   std::string out = "group,name,unit,before,now,change,norm\n";
   for (const HeadMeasure& m : measures) {
     const std::string figures = fmt::format(",{},{:.4f},{:.4f},{:.4f},", m.unit, m.before, m.now, m.change());
-    std::string name;
-    for (char c : m.name) name += c == '"' ? std::string("\"\"") : std::string(1, c);
-    out += std::string(kGroups[size_t(m.group)]) + ",\"" + name + "\"" + figures + m.norm + "\n";
+    out += std::string(kGroups[size_t(m.group)]) + "," + csv_text(m.name) + figures + m.norm + "\n";
   }
   return out;
 }

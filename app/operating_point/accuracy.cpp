@@ -4,14 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <functional>
 #include <map>
 #include <optional>
-#include <sstream>
 
 #include "app/operating_point/accuracy_probe.h"
 #include "app/operating_point/cpu_clock.h"
+#include "app/operating_point/kept_trials.h"
 #include "app/report/svg_chart.h"
 #include "sim/base/error.h"
 #include "sim/fem/solver/lbfgs_solver.h"
@@ -108,58 +107,6 @@ void run_trial(Subject& s, AccuracyTrial& t, const Field& fine, double frame_s, 
   t.behind_mm = distance(now, s.after)[0], t.lattice_mm = distance(s.after, fine)[0];
 }
 
-/// Finished trials in a file: a line that names the scene and the kind of sweep, then one line per trial, with tabs.
-class Kept {
- public:
-  Kept(const std::string& file, const std::string& title) : file_(file) {
-    if (file_.empty()) return;
-    std::ifstream in(file_);
-    std::string line;
-    bool same = std::getline(in, line) && line == title;
-    while (same && std::getline(in, line)) {  // a line that was cut off is no trial
-      std::istringstream text(line);
-      std::vector<std::string> w;
-      for (std::string word; std::getline(text, word, '\t');) w.push_back(word);
-      if (w.size() != 14 || w[13] != ".") continue;
-      try {
-        AccuracyTrial t;
-        t.cell_mm = std::stod(w[0]), t.element = w[1], t.material = w[2], t.step = w[3], t.iterations = std::stoi(w[4]);
-        t.own_kind = w[5] == "1", t.nodes = size_t(std::stoul(w[6])), t.frame_ms = std::stod(w[7]),
-        t.frame_p95_ms = std::stod(w[8]);
-        t.error_mm = std::stod(w[9]), t.error_max_mm = std::stod(w[10]), t.lattice_mm = std::stod(w[11]),
-        t.behind_mm = std::stod(w[12]);
-        trials_[name(t)] = t;
-      } catch (const std::exception&) {
-        continue;  // as a line that was cut off
-      }
-    }
-    in.close();
-    std::ofstream out(file_, same ? std::ios::app : std::ios::trunc);
-    if (!out) throw InputError(file_, 0, "cannot be written; a file for finished trials was expected");
-    out << (same ? "\n" : title + "\n");  // (a blank line ends one that was cut off)
-  }
-  const AccuracyTrial* find(const AccuracyTrial& t) const {
-    const auto it = trials_.find(name(t));
-    return it == trials_.end() ? nullptr : &it->second;
-  }
-  void add(const AccuracyTrial& t) const {
-    if (file_.empty()) return;
-    std::ofstream out(file_, std::ios::app);
-    const std::string number =
-        fmt::format("{}\t{}\t{}\t{:.9g}\t{:.9g}\t{:.9g}\t{:.9g}\t{:.9g}\t{:.9g}\t.", t.iterations, int(t.own_kind),
-                    t.nodes, t.frame_ms, t.frame_p95_ms, t.error_mm, t.error_max_mm, t.lattice_mm, t.behind_mm);
-    out << cell(t) << '\t' << t.element << '\t' << t.material << '\t' << t.step << '\t' << number << '\n';
-  }
-
- private:
-  static std::string cell(const AccuracyTrial& t) { return fmt::format("{:.9g}", t.cell_mm); }
-  static std::string name(const AccuracyTrial& t) {
-    return cell(t) + "|" + t.element + "|" + t.material + "|" + t.step + "|" + std::to_string(t.iterations);
-  }
-  std::string file_;
-  std::map<std::string, AccuracyTrial> trials_;
-};
-
 void mark(AccuracyReport& r) {
   for (AccuracyTrial& t : r.trials) {
     t.pareto = t.material == "scene" && t.step == "quasi-static" &&
@@ -216,7 +163,7 @@ AccuracyReport accuracy(const Scene& scene, const AccuracySettings& set) {
   const auto labelled = [&](double cell) { return fmt::format("cells of {:.3g} mm", cell); };
   const std::string title = fmt::format("limberg bench accuracy{}, scene {:016x}, finest {:.9g} mm",
                                         set.quick ? " --quick" : "", scene.hash, r.reference_cell_mm);
-  const Kept kept(set.keep_file, title);
+  const KeptTrials kept(set.keep_file, title);
   std::optional<Field> fine_field;  // made when the first trial needs it
   const auto fine = [&]() -> const Field& {
     if (!fine_field) {

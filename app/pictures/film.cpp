@@ -182,8 +182,13 @@ void Film::close() {
                          std::to_string(i.frames) +
                          " frames; expected a disk with room and an ffmpeg with the codec for this ending");
   }
-  fs::rename(i.part, i.set.file);
   i.closed = true;
+  std::error_code why;
+  fs::rename(i.part, i.set.file, why);
+  if (!why) return;
+  std::error_code ec;
+  fs::remove(i.part, ec);
+  throw InputError(i.set.file, 0, "cannot be written (" + why.message() + "); expected a folder that takes files");
 }
 
 int Film::frames() const { return impl_->frames; }

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/program/version.h"
+#include "app/result/json_nesting.h"
 #include "app/result/output.h"
 #include "app/result/run_result.h"
 #include "sim/base/error.h"
@@ -64,7 +65,10 @@ void Result::set(std::string_view path, std::span<const float> v) {
 }
 
 void Result::take(std::string_view path, const std::string& other_file) {
-  const Json other = Json::parse(read_whole_file(other_file), nullptr, false);
+  const std::string text = read_whole_file(other_file);
+  if (json_nesting(text) > 64)  // writing it again would take stack for each level
+    throw InputError(other_file, 0, "nests deeper than 64 levels; expected a result.json");
+  const Json other = Json::parse(text, nullptr, false);
   if (!other.is_object()) throw InputError(other_file, 0, "is not a JSON object; expected a result.json");
   const Json::json_pointer p{std::string(path)};
   if (other.contains(p)) impl_->at(path) = other.at(p);

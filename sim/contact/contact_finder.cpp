@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "sim/base/elementary.h"
 #include "sim/base/error.h"
@@ -317,7 +318,7 @@ void ContactFinder::find_pairs(size_t chunk) {
 bool ContactFinder::follow(std::span<const Vec3f> u, Workers& workers) {
   ++counts_.checks;
   if (!motion_.measure(u) && !resumed_) return false;
-  resumed_ = false;
+  bool changed = std::exchange(resumed_, false);  // the list is that of another moment
   for (size_t i = 0; i < u_.size(); ++i) u_[i] = v4{u[i][0], u[i][1], u[i][2], 0};
   cells_.move(u);
   const auto each = [&](auto&& work) {
@@ -337,7 +338,6 @@ bool ContactFinder::follow(std::span<const Vec3f> u, Workers& workers) {
     if (!unknown.empty()) tissue_.learn(unknown, workers);
     each([&](size_t c) { find_pairs(c); });
   }
-  bool changed = false;
   near_ = false;
   for (Chunk& c : chunk_) {
     changed |= c.changed, near_ |= c.nearest_mm < kNear_mm;

@@ -14,6 +14,7 @@ constexpr double kMoveOfContacts_mm = 1.5;
 
 StepReport ContactDriver::step(const StepSettings& settings) {
   ElasticSolver& solver = tissue_.solver();
+  if (settings.afresh && !to_resume_) to_resume_ = memory();
   follow();
   if (!finder_ || settings.dt_s > 0) {
     const StepReport report = solver.step(settings);
@@ -29,6 +30,7 @@ StepReport ContactDriver::step(const StepSettings& settings) {
         near ? std::min(settings.max_iterations - done, kIterationsOfContacts) : settings.max_iterations - done;
     part.most_move_mm = near ? kMoveOfContacts_mm : 0;
     report = solver.step(part);
+    part.afresh = false;
     done += report.iterations;
     const bool moved = report.iterations > 0, stopped = settings.should_stop && settings.should_stop();
     const bool others = moved && finder_->any_near() && follow();

@@ -112,7 +112,7 @@ Outcome SoftTissue::make_again(TissueChange& change) {
 }
 
 TissueMoment SoftTissue::moment() const {
-  return {tissue_.version(), tissue_.solver().save(), contacts_.memory(), holding_, figures_};
+  return {tissue_.version(), tissue_.solver().save(), tissue_.solver().path(), contacts_.memory(), holding_, figures_};
 }
 
 void SoftTissue::return_to(const TissueMoment& m, ParentList parent) {
@@ -121,6 +121,7 @@ void SoftTissue::return_to(const TissueMoment& m, ParentList parent) {
   figures_ = m.figures;
   publish_springs();
   tissue_.solver().restore(m.solver);
+  if (m.path) tissue_.solver().take_up(*m.path);
   contacts_.resume(m.contacts);
 }
 

@@ -54,6 +54,7 @@ struct TissueFigures {
 struct TissueMoment {
   TissueVersion version;
   SolverState solver;
+  std::shared_ptr<const SolverPath> path;  // by which the solver goes on; no part of the state, and not hashed
   ContactMemory contacts;
   Holding holding;
   TissueFigures figures;
@@ -138,7 +139,7 @@ void fields(const TissueVersion& t, V&& v) {
 }
 template <class V>
 void fields(const TissueMoment& m, V&& v) {
-  const auto& [version, solver, contacts, holding, figures] = m;
+  const auto& [version, solver, path, contacts, holding, figures] = m;
   v(version, solver, contacts, holding, figures);
 }
 

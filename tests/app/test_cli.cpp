@@ -216,6 +216,28 @@ TEST_F(Recorded, ReplaysToTheSameHashWithAnyWorkers) {
   }
 }
 
+// An encoder that ends badly half way costs nobody the film that was there.
+TEST_F(Recorded, AFilmReplacesAnotherWholeOrNotAtAll) {
+  const std::string film = file("film.mp4", "yesterday's");
+  fs::permissions(
+      file("ffmpeg", "#!/bin/sh\nfor last; do :; done\ncat > \"$last\"\nexit \"$(cat " + path("status") + ")\"\n"),
+      fs::perms::owner_all);
+  const std::string before = std::getenv("PATH");
+  setenv("PATH", (dir_.string() + ":" + before).c_str(), 1);
+  const auto parts = [&] {
+    return std::count_if(fs::directory_iterator(dir_), fs::directory_iterator(),
+                         [](const auto& f) { return f.path().string().find(".part") != std::string::npos; });
+  };
+  for (const std::string status : {"1", "0"}) {
+    file("status", status);
+    const Outcome o = run("replay " + log_ + " --film " + film);
+    EXPECT_EQ(o.status, status == "1" ? 2 : 0) << o.err;
+    EXPECT_EQ(slurp(film) == "yesterday's", status == "1");
+    EXPECT_EQ(parts(), 0);
+  }
+  setenv("PATH", before.c_str(), 1);
+}
+
 // The recording is told to have come from another program, whose patient was half a millimetre beside ours somewhere.
 TEST_F(Recorded, AReplayThatDiffersSaysByHowMuchAndWhatIsOther) {
   using namespace limberg;

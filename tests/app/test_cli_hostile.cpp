@@ -32,9 +32,14 @@ TEST_F(CliHostile, NothingWaitsForAPipeNorReadsADeviceWithoutEnd) {
     fs::remove(path("left/result.json"));
     fs::create_symlink(from, path("left/result.json"));
     expect_refused("report " + path("left"), {"result.json", "is not a regular file"});
-    for (const std::string encoding : {"raw", "gzip"})
+    fs::remove(path("v.raw"));
+    fs::create_symlink(from, path("v.raw"));
+    for (const std::string encoding : {"raw", "gzip"}) {
+      expect_refused("check " + file("v.nhdr", head + encoding + "\ndata file: v.raw\n"),
+                     {"v.raw", "is not a regular file"});
       expect_refused("check " + file("v.nhdr", head + encoding + "\ndata file: " + from + "\n"),
-                     {from, "is not a regular file"});
+                     {"v.nhdr:9", "lies outside of the header's folder"});
+    }
     expect_refused(
         "check " + file("mesh.toml", small_scene("source = \"block\"\nsize_mm = [40, 40, 10]\nskin_cell_mm = 2",
                                                  "source = \"obj\"\nmesh = \"" + from + "\"")),

@@ -9,6 +9,7 @@
 #include "sim/base/error.h"
 #include "sim/geometry/polyline.h"
 #include "sim/measure/plan.h"
+#include "tests/app/report/xml_check.h"
 
 namespace limberg {
 namespace test_design {
@@ -139,6 +140,10 @@ TEST(Design, TheSearchRanksTellsHowFarItIsAndDraws) {
   EXPECT_NE(picture.find("1. fusiform"), std::string::npos);
   EXPECT_NE(picture.find("2. fusiform"), std::string::npos);
   EXPECT_TRUE(ranking_svg({}, task, 0).empty());
+  // A landmark has the name that its file gives it.
+  DesignTask named = task;
+  named.spare = {{"</text><script>\x1b&\xff", {0, 0}}};
+  EXPECT_EQ(test::xml_fault(ranking_svg(found, named, 0)), "");
 }
 
 }  // namespace test_design

@@ -487,6 +487,23 @@ TEST(Recording, SaysWhenItsTickZeroWas) {
   }
 }
 
+// A replay goes on until the end mark's tick: one of a few bytes must not keep it for ever.
+TEST(Recording, NothingIsLaterThanADay) {
+  const TemporaryFolder dir;
+  for (const int64_t end : {kMostTicks, kMostTicks + 1, int64_t(1) << 62}) {
+    RecordingWriter w;
+    w.open(dir / "r.lcm", session(), blobs(), true);
+    for (const Sample& sample : stream(10)) w.on_sample(sample);
+    w.checkpoint(20, 7), w.checkpoint(end, 8);
+    EXPECT_TRUE(w.finish(end, 1));
+    const Recording r = read_recording(dir / "r.lcm");
+    const bool fits = end == kMostTicks;
+    EXPECT_EQ(r.end.has_value(), fits) << end;
+    EXPECT_EQ(r.checkpoints.size(), fits ? 2u : 1u);
+    EXPECT_EQ(r.damage.bad_payload, fits ? 0 : 2);
+  }
+}
+
 TEST(Recording, RandomBytesAreRefusedQuickly) {
   Dice dice{5};
   for (int k = 0; k < 2000; ++k) {

@@ -1,6 +1,7 @@
 #pragma once
-// Entry points for fuzzers: bytes from outside, given to what reads them. libFuzzer calls them (fuzzer.cpp, CMake
-// option LIMBERG_FUZZERS); an ordinary test runs each over its sound inputs and over damaged ones (test_entries.cpp).
+// Entry points for fuzzers: bytes from outside, given to what reads them. libFuzzer calls them (fuzzer.cpp,
+// ./do fuzz); an ordinary test runs each over its sound inputs, over damaged ones and over its
+// corpus (test_entries.cpp), and another finds what reads bytes and has no entry (test_readers_covered.cpp).
 //
 // A reader may refuse the bytes, with an InputError that names the file and gives a reason, or take them and hand over
 // something sound. Anything else is a fault.
@@ -12,13 +13,16 @@
 namespace limberg::fuzz {
 
 struct Entry {
-  std::string name;                // "obj", "dicom_2", "packet_stylus"
-  std::vector<std::string> sound;  // the corpus to begin with
+  std::string name;                // "OBJ", "calibration", "packet_stylus": also its folder below tests/fuzz/corpus
+  std::vector<std::string> reads;  // the files of the tree whose reading it is
+  std::vector<std::string> sound;  // what is taken
   /// What is wrong; empty: nothing. `taken` says whether the bytes were accepted.
   std::function<std::string(std::string_view bytes, bool& taken)> run;
 };
 
-/// Images, surfaces, meshes, scenes, scripts, recordings; packets of the network, lines of the tracker.
 std::vector<Entry> entries();
+
+/// tests/fuzz/corpus/NAME of the source tree.
+std::string corpus_of(const Entry& entry);
 
 }  // namespace limberg::fuzz

@@ -1,7 +1,10 @@
-// The libFuzzer program (CMake option LIMBERG_FUZZERS, clang): LIMBERG_FUZZ_ENTRY names the entry.
+// The libFuzzer program: LIMBERG_FUZZ_ENTRY names the entry.
 //
-//   LIMBERG_FUZZ_ENTRY=OBJ_0 build/limberg_fuzzer --corpus=CORPUS     writes the sound inputs there
-//   LIMBERG_FUZZ_ENTRY=OBJ_0 build/limberg_fuzzer CORPUS -max_total_time=600
+//   build-fuzz/limberg_fuzzer --entries                                  their names
+//   LIMBERG_FUZZ_ENTRY=OBJ build-fuzz/limberg_fuzzer --corpus=CORPUS     writes the sound inputs there
+//   LIMBERG_FUZZ_ENTRY=OBJ build-fuzz/limberg_fuzzer CORPUS -max_total_time=600
+//
+// ./do fuzz does it for all of them.
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -32,6 +35,10 @@ extern "C" int LLVMFuzzerInitialize(int* count, char*** words) {
   constexpr std::string_view kCorpus = "--corpus=";
   for (int i = 1; i < *count; ++i) {
     const std::string_view word = (*words)[i];
+    if (word == "--entries") {
+      for (const auto& e : limberg::fuzz::entries()) std::printf("%s\n", e.name.c_str());
+      std::exit(0);
+    }
     if (!word.starts_with(kCorpus)) continue;
     const std::filesystem::path folder(word.substr(kCorpus.size()));
     std::filesystem::create_directories(folder);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/base/xml_text.h"
+
 namespace limberg {
 namespace {
 
@@ -108,7 +110,7 @@ std::string plan_svg(const Figure& f, const std::string& title) {
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:.0f} {:.0f}\" font-family=\"sans-serif\">\n<rect "
       "width=\"100%\" height=\"100%\" fill=\"#fbeee6\"/>\n",
       paper.width(), paper.height());
-  s += "<text x=\"12\" y=\"22\" font-size=\"16\">" + title + "</text>\n";
+  s += "<text x=\"12\" y=\"22\" font-size=\"16\">" + xml_text(title) + "</text>\n";
   for (const auto& o : f.excisions) s += "<polygon points=\"" + points(paper, o) + "\" fill=\"#e8a08c\"/>\n";
   for (const auto& w : f.wounds) {
     auto closed = w;

@@ -18,6 +18,20 @@ bool mass_differs(double a, double b) { return a != b && (a < 0.5 * b || b < 0.5
 
 }  // namespace
 
+struct MetricPast {
+  std::shared_ptr<const Preconditioner::Recipe> factor, pending;  // null: there was none
+  std::weak_ptr<const ScalarFactor> factor_made;
+  int steps = 0;  // that the pending one was waited for
+  bool has_no_factor = false;
+  size_t factor_bytes = 0;  // Operators::ordered_bytes
+  bool has_cycle = false;
+  std::vector<SpringRow> cycle_springs;
+  double cycle_mass = 0;
+  std::weak_ptr<const ScalarCycle> cycle_made;
+  Preconditioner::NodeList order_from, ancestor;
+  size_t ordered_bytes = 0;
+};
+
 struct Preconditioner::Pending {
   // Written by the job, read after it is done.
   struct Result {
@@ -28,8 +42,7 @@ struct Preconditioner::Pending {
   };
   std::shared_ptr<Result> result = std::make_shared<Result>();
   std::shared_ptr<Workers::Job> job;
-  std::vector<SpringRow> folded;
-  double mass_per_s2 = 0;
+  std::shared_ptr<const Recipe> recipe;
   int steps = 0;
 };
 
@@ -57,8 +70,8 @@ void Preconditioner::set_model(std::shared_ptr<const FemModel> model, const Pare
   const ParentList& parent = model->parent;
   std::vector<int32_t> ancestor(model->X_mm.size(), -1);
   for (size_t i = 0; i < ancestor.size(); ++i)
-    if (parent[i] >= 0 && size_t(parent[i]) < ancestor_.size()) ancestor[i] = ancestor_[size_t(parent[i])];
-  ancestor_ = std::move(ancestor);
+    if (parent[i] >= 0 && size_t(parent[i]) < ancestor_->size()) ancestor[i] = (*ancestor_)[size_t(parent[i])];
+  ancestor_ = std::make_shared<std::vector<int32_t>>(std::move(ancestor));
   if (now_.cycle) cycle_before_ = now_.cycle;
   if (cycle_before_ && &cycle_before_->model() != now_.model.get()) cycle_before_.reset();
   cell_parent_ = cell_parent;
@@ -92,7 +105,7 @@ std::vector<SpringRow> Preconditioner::foldable() const {
 }
 
 std::span<const SpringRow> Preconditioner::folded() const {
-  if (factor_is_current_) return now_.folded;
+  if (factor_is_current_) return now_.recipe->folded;
   return now_.cycle ? now_.cycle->springs() : std::span<const SpringRow>();
 }
 
@@ -110,30 +123,35 @@ bool Preconditioner::springs_have_changed() const {
 
 void Preconditioner::use_factor() {
   factor_is_current_ = true;
-  order_from_ = now_.factor, ordered_bytes_ = now_.ordered_bytes;
-  ancestor_.resize(now_.model->X_mm.size());
-  std::iota(ancestor_.begin(), ancestor_.end(), 0);
+  // A copy: the factor itself is not to live as long as recipes that were written after it.
+  order_from_ = std::make_shared<std::vector<int32_t>>(now_.factor->node_order), ordered_bytes_ = now_.ordered_bytes;
+  std::vector<int32_t> itself(now_.model->X_mm.size());
+  std::iota(itself.begin(), itself.end(), 0);
+  ancestor_ = std::make_shared<std::vector<int32_t>>(std::move(itself));
   place_.assign(now_.model->X_mm.size(), -1);
   for (size_t k = 0; k < now_.factor->node_order.size(); ++k) place_[size_t(now_.factor->node_order[k])] = int32_t(k);
   work_.resize(now_.factor->node_order.size());
   operator_changed();
 }
 
-void Preconditioner::submit(double mass_per_s2) {
+std::shared_ptr<const Preconditioner::Recipe> Preconditioner::next_recipe(double mass_per_s2) const {
+  return std::make_shared<Recipe>(Recipe{foldable(), mass_per_s2, order_from_, ancestor_, ordered_bytes_});
+}
+
+void Preconditioner::submit(std::shared_ptr<const Recipe> recipe) {
   auto p = std::make_unique<Pending>();
-  p->mass_per_s2 = mass_per_s2;
-  p->folded = foldable();
-  auto job = [model = now_.model, springs = p->folded, mass_per_s2, before = order_from_, ancestor = ancestor_,
-              ordered_bytes = ordered_bytes_, result = p->result] {
+  p->recipe = recipe;
+  auto job = [model = now_.model, recipe, result = p->result] {
     try {
       result->begun = true;
       if (result->unwanted) return;
-      const ScalarMatrix A = assemble_scalar(*model, springs, mass_per_s2);
+      const ScalarMatrix A = assemble_scalar(*model, recipe->folded, recipe->mass_per_s2);
       std::shared_ptr<const ScalarFactor> factor;
-      result->ordered_bytes = ordered_bytes;
-      if (before)
-        factor = std::make_shared<ScalarFactor>(factorize(A, inherited_order(A, before->node_order, ancestor)));
-      if (!factor || double(factor->panels.bytes()) > most_fill * double(ordered_bytes)) {
+      result->ordered_bytes = recipe->ordered_bytes;
+      if (recipe->order_from)
+        factor =
+            std::make_shared<ScalarFactor>(factorize(A, inherited_order(A, *recipe->order_from, *recipe->ancestor)));
+      if (!factor || double(factor->panels.bytes()) > most_fill * double(recipe->ordered_bytes)) {
         factor = std::make_shared<ScalarFactor>(factorize(A, {}));
         result->ordered_bytes = factor->panels.bytes();
       }
@@ -158,14 +176,51 @@ void Preconditioner::adopt() {
   }
   if (pending_->result->factor) {
     now_.factor = pending_->result->factor;
-    now_.folded = std::move(pending_->folded);
-    now_.factor_mass = pending_->mass_per_s2;
+    now_.recipe = pending_->recipe;
     now_.ordered_bytes = pending_->result->ordered_bytes;
     use_factor();
   } else {
     now_.has_no_factor = true;
   }
   pending_.reset();
+}
+
+std::shared_ptr<const MetricPast> Preconditioner::past() const {
+  auto past = std::make_shared<MetricPast>();
+  if (now_.factor) past->factor = now_.recipe, past->factor_made = now_.factor, past->factor_bytes = now_.ordered_bytes;
+  if (pending_) past->pending = pending_->recipe, past->steps = pending_->steps;
+  past->has_no_factor = now_.has_no_factor;
+  if (now_.cycle) {
+    past->has_cycle = true;
+    past->cycle_springs.assign(now_.cycle->springs().begin(), now_.cycle->springs().end());
+    past->cycle_mass = now_.cycle->mass_per_s2();
+    past->cycle_made = now_.cycle;
+  }
+  past->order_from = order_from_, past->ancestor = ancestor_, past->ordered_bytes = ordered_bytes_;
+  return past;
+}
+
+void Preconditioner::take_up(const MetricPast& past) {
+  drop_pending();
+  now_.factor.reset(), now_.recipe.reset(), now_.cycle.reset(), cycle_before_.reset();
+  factor_is_current_ = false;
+  now_.has_no_factor = past.has_no_factor;
+  order_from_ = past.order_from, ancestor_ = past.ancestor, ordered_bytes_ = past.ordered_bytes;
+  if (past.has_cycle) {
+    now_.cycle = past.cycle_made.lock();
+    if (!now_.cycle) now_.cycle = ScalarCycle::build(now_.model, past.cycle_springs, past.cycle_mass);
+  }
+  if (past.factor) {
+    if (auto made = past.factor_made.lock()) {
+      now_.factor = std::move(made), now_.recipe = past.factor, now_.ordered_bytes = past.factor_bytes;
+      use_factor();
+    } else {
+      submit(past.factor);
+      adopt();
+    }
+  }
+  if (past.pending) submit(past.pending), pending_->steps = past.steps;
+  operator_changed();
 }
 
 void Preconditioner::make_cycle(double mass_per_s2) {
@@ -191,9 +246,9 @@ void Preconditioner::begin_step(double mass_per_s2, int adopt_after, bool when_r
     if (pending_->steps >= adopt_after || (when_ready && now())) adopt();
   }
   if (int32_t(now_.model->X_mm.size()) <= policy_.factor_up_to_nodes && !pending_ && !now_.has_no_factor) {
-    if (!factor_is_current_ || mass_differs(now_.factor_mass, mass_per_s2) || springs_have_changed()) {
+    if (!factor_is_current_ || mass_differs(now_.recipe->mass_per_s2, mass_per_s2) || springs_have_changed()) {
       const bool first = !factor_is_current_ && kept_.empty() && !now_.cycle;
-      submit(mass_per_s2);
+      submit(next_recipe(mass_per_s2));
       if (first) adopt();  // a scene opens with its factor
     }
   }

@@ -11,6 +11,9 @@
 // Every state is symmetric positive definite and belongs to the topology that is shown; there is
 // no stale operator. Sutures are folded into the next factor or cycle; hooks come and go and
 // never are. The operators of the last few models are kept, so that an undo finds its own again.
+//
+// How the minimiser goes on depends on the factor's order, which comes from the factor before, and on which springs are
+// folded in. past() says how the operators came to be, and take_up() makes them again, to the last bit.
 #include <deque>
 #include <functional>
 #include <memory>
@@ -29,6 +32,8 @@ struct MetricPolicy {
   int32_t factor_up_to_nodes = 10000;  // 0: always the cycle
   const Kernels* kernels = nullptr;    // none: the default ones
 };
+
+struct MetricPast;  // the recipe of the operators in use, without these themselves: some numbers per node
 
 class Preconditioner {
  public:
@@ -51,6 +56,11 @@ class Preconditioner {
                   const std::function<bool(bool)>& adopt_now = {});
   void apply(const NodeArray& r, NodeArray& z);
 
+  std::shared_ptr<const MetricPast> past() const;
+  /// After set_model with the model that was there then, and set_springs. A factor that is not kept any more is made
+  /// here and now.
+  void take_up(const MetricPast& past);
+
   bool pending() const { return pending_ != nullptr; }
   bool on_cycle() const { return !factor_is_current_; }
   /// The cycle made last, if any, for reports and tests.
@@ -58,14 +68,21 @@ class Preconditioner {
   std::string describe() const;
 
  private:
+  friend struct MetricPast;
+  using NodeList = std::shared_ptr<const std::vector<int32_t>>;
+  struct Recipe {  // all that a factor of a model depends on
+    std::vector<SpringRow> folded;
+    double mass_per_s2 = 0;
+    NodeList order_from, ancestor;  // below
+    size_t ordered_bytes = 0;
+  };
   struct Pending;
   struct Operators {  // of one model
     std::shared_ptr<const FemModel> model;
     std::shared_ptr<const ScalarFactor> factor;
-    std::vector<SpringRow> folded;  // into the factor
-    double factor_mass = 0;
-    size_t ordered_bytes = 0;    // of the last factor in its line whose order was found afresh
-    bool has_no_factor = false;  // it was tried
+    std::shared_ptr<const Recipe> recipe;  // of the factor
+    size_t ordered_bytes = 0;              // of the last factor in its line whose order was found afresh
+    bool has_no_factor = false;            // it was tried
     std::shared_ptr<const ScalarCycle> cycle;
   };
   struct Column {
@@ -75,7 +92,8 @@ class Preconditioner {
   std::vector<SpringRow> foldable() const;
   bool springs_have_changed() const;
   std::span<const SpringRow> folded() const;
-  void submit(double mass_per_s2);
+  void submit(std::shared_ptr<const Recipe> recipe);
+  std::shared_ptr<const Recipe> next_recipe(double mass_per_s2) const;
   void adopt();
   void drop_pending();
   void make_cycle(double mass_per_s2);
@@ -94,10 +112,10 @@ class Preconditioner {
   NodeArray work_;
   ScalarCycle::Work cycle_work_;
 
-  // What orders are inherited from: the last factor adopted, and the cycle of the model before.
-  std::shared_ptr<const ScalarFactor> order_from_;
+  // What orders are inherited from: that of the last factor adopted, and the cycle of the model before.
+  NodeList order_from_;
   size_t ordered_bytes_ = 0;
-  std::vector<int32_t> ancestor_;  // current node -> node of that factor's model
+  NodeList ancestor_ = std::make_shared<std::vector<int32_t>>();  // current node -> node of that factor's model
   std::shared_ptr<const ScalarCycle> cycle_before_;
   ParentList cell_parent_;
 

@@ -22,6 +22,8 @@ struct StepSettings {
   double dt_s = 0;       // 0 = quasi-static; otherwise one step of `integrator`
   Integrator integrator = Integrator::backward_euler;
   double damping_per_s = 0;  // mass-proportional, dynamic steps only
+  // What the iterations before have found is forgotten: how this step goes on depends on the state and path() alone.
+  bool afresh = false;
   // > 0: stop after the iterate that has gone farther than this from the start, slivers' nodes aside
   double most_move_mm = 0;
   double budget_ms = 0;               // 0 = none. Not used by the solver itself (it reads no clock): see should_stop
@@ -65,6 +67,11 @@ struct SolverState {
   bool operator==(const SolverState&) const = default;
 };
 
+/// By which way a solver goes on from a state: what its metric was made from and has learned. Some numbers per node.
+struct SolverPath {
+  virtual ~SolverPath() = default;
+};
+
 class ElasticSolver {
  public:
   virtual ~ElasticSolver() = default;
@@ -90,6 +97,10 @@ class ElasticSolver {
   /// it, not where they lead. restore throws InputError on lists of another model.
   virtual SolverState save() const = 0;
   virtual void restore(const SolverState& state) = 0;
+  /// After restore, so that the iterations that follow are those that would have followed then, to the last bit, if
+  /// they begin afresh (StepSettings).
+  virtual std::shared_ptr<const SolverPath> path() const { return {}; }
+  virtual void take_up(const SolverPath&) {}
   /// What layers that relax remember (SolverState::memory), without a copy; empty when nothing relaxes.
   virtual std::span<const float> memory() const { return {}; }
   Vec3 position_mm(const EmbeddedPoint& p) const;

@@ -184,6 +184,7 @@ void LbfgsSolver::begin_or_end_untangling(Value& value, bool dynamic) {
 
 StepReport LbfgsSolver::step(const StepSettings& s) {
   if (!model_) throw InputError("", 0, "a step was asked for before a model was given");
+  if (s.afresh) forget();
   prepare_dynamics(s);
   // BDF2's first step has the metric of its others.
   const double h = s.integrator == Integrator::bdf2 ? 2 * s.dt_s / 3 : s.dt_s;

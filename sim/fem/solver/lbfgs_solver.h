@@ -74,6 +74,8 @@ class LbfgsSolver final : public ElasticSolver {
   void set_displacement_mm(std::span<const Vec3f> u) override;
   SolverState save() const override;
   void restore(const SolverState& state) override;
+  std::shared_ptr<const SolverPath> path() const override;
+  void take_up(const SolverPath& path) override;
   std::span<const float> memory() const override { return viscous_.memory(); }
   Vec3 spring_force_mN(int32_t id) const override;
   double contact_force_mN(size_t i) const override;
@@ -91,6 +93,7 @@ class LbfgsSolver final : public ElasticSolver {
     double noise = 0;
     bool finite() const;
   };
+  void forget();  // the iterations so far
   Value evaluate(const NodeArray& u, NodeArray& g, bool measure);
   void prepare_dynamics(const StepSettings& s);
   void start_where_inertia_leads(Value& value);

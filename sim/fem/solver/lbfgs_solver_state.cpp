@@ -24,6 +24,34 @@ Vec3 ElasticSolver::position_mm(const EmbeddedPoint& p) const {
 }  // namespace limberg
 
 namespace limberg::fem {
+namespace {
+
+struct LbfgsPath final : SolverPath {
+  std::shared_ptr<const MetricPast> metric;
+  StretchedCells stretched;
+  int lagging_iterations = 0;
+};
+
+}  // namespace
+
+std::shared_ptr<const SolverPath> LbfgsSolver::path() const {
+  auto path = std::make_shared<LbfgsPath>();
+  path->metric = metric_.past(), path->stretched = stretched_, path->lagging_iterations = lagging_iterations_;
+  return path;
+}
+
+void LbfgsSolver::take_up(const SolverPath& path) {
+  const auto& p = dynamic_cast<const LbfgsPath&>(path);
+  stretched_ = p.stretched, lagging_iterations_ = p.lagging_iterations;
+  metric_.take_up(*p.metric);
+  give_metric_springs();
+}
+
+void LbfgsSolver::forget() {
+  tangled_iterations_ = 0, untangling_ = false;
+  history_.clear();
+  distance_.forget();
+}
 
 void LbfgsSolver::publish() {
   shown_.resize(u_.size());
@@ -35,9 +63,7 @@ void LbfgsSolver::set_displacement_mm(std::span<const Vec3f> u) {
   for (size_t i = 0; i < u.size(); ++i) u_[i] = {u[i][0], u[i][1], u[i][2], 0};
   follow_masters(model_->hanging, u_);
   velocity_.zero(), before_s_ = 0;
-  tangled_iterations_ = 0, untangling_ = false;
-  history_.clear();
-  distance_.forget();
+  forget();
   publish();
 }
 
@@ -85,9 +111,7 @@ void LbfgsSolver::restore(const SolverState& s) {
   for (size_t c = 0; c < elements_->cells(); ++c) elements_->set_q(c, s.pressure.empty() ? 0 : s.pressure[c]);
   since_update_ = s.since_update;
   viscous_.restore(s.memory);
-  history_.clear();
-  tangled_iterations_ = 0, untangling_ = false;
-  distance_.forget();
+  forget();
   publish();
 }
 

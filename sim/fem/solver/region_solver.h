@@ -34,6 +34,8 @@ class RegionSolver final : public ElasticSolver {
   void set_displacement_mm(std::span<const Vec3f> u) override;
   SolverState save() const override { return inner_->save(); }
   void restore(const SolverState& state) override;
+  std::shared_ptr<const SolverPath> path() const override { return inner_->path(); }
+  void take_up(const SolverPath& path) override { inner_->take_up(path); }
   std::span<const float> memory() const override { return inner_->memory(); }
   Vec3 spring_force_mN(int32_t id) const override { return inner_->spring_force_mN(id); }
   double contact_force_mN(size_t i) const override { return inner_->contact_force_mN(i); }

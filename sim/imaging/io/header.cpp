@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 
 #include "sim/base/error.h"
 #include "sim/base/quoted.h"
@@ -34,12 +35,18 @@ void sizes(Header& h, std::string_view s, const std::string& file, int line) {
   }
 }
 
-/// Of the file with the data.
+/// Of the file with the data: in the header's folder or below it. A header from elsewhere does not say which other
+/// files of this machine are read.
 std::string name_of(std::string_view s, const std::string& file, int line) {
   for (const char c : s)
     if (static_cast<unsigned char>(c) < ' ' || c == 127)
       throw InputError(file, line,
                        "the name of the file with the data has a character that no name has; the header is damaged");
+  const std::filesystem::path path(s);
+  if (path.is_absolute() || std::find(path.begin(), path.end(), "..") != path.end())
+    throw InputError(file, line,
+                     "the data file " + limberg::quoted(s) +
+                         " lies outside of the header's folder; expected the name of a file in it");
   return std::string(s);
 }
 

@@ -55,6 +55,21 @@ TEST(HeadMeasures, LengthsAnglesAndAsymmetryBeforeAndNow) {
   EXPECT_TRUE(found);
 }
 
+// A place has the name that its file gives it; a table of values carries no formula to a spreadsheet.
+TEST(HeadMeasures, NamesStayTextInTheTable) {
+  for (const auto& [name, cell] : {std::pair{"=cmd|' /C calc'!A0", "\"'=cmd|' /C calc'!A0\""},
+                                   {"+1", "\"'+1\""},
+                                   {"@x", "\"'@x\""},
+                                   {"a \"b\", c", "\"a \"\"b\"\", c\""},
+                                   {"N-ANS", "\"N-ANS\""}}) {
+    const std::string csv = to_csv({{HeadMeasure::Group::picked, name, "mm", 1, 2, ""}});
+    EXPECT_NE(csv.find(std::string("picked,") + cell + ",mm,"), std::string::npos) << csv;
+  }
+  // A number that no place has is no number: "M" and more digits than an int has.
+  EXPECT_EQ(picked_number("M99999999999999999999"), 0);
+  EXPECT_EQ(picked_number("M12"), 12);
+}
+
 TEST(HeadReport, EveryFigureIsInTheTableOfMeasures) {
   InlineWorkers w;
   World patient(test::shell_head(), w);

@@ -17,7 +17,7 @@ namespace test_pages {
 
 using Json = nlohmann::ordered_json;
 using html::Markup;
-using testing::xml_fault;
+using test::xml_fault;
 
 // A result in which every field that a page shows has a value.
 const char* const kEverything = R"({

@@ -19,7 +19,7 @@ namespace limberg {
 namespace test_report {
 
 namespace fs = std::filesystem;
-using testing::xml_fault;
+using test::xml_fault;
 
 const char* const kFull = R"({
 "limberg": {"version": "0.1.0", "commit": "abc1234"}, "command": "replay", "scene": "rhomboid", "ok": true,

@@ -13,7 +13,7 @@
 namespace limberg {
 namespace test_svg_chart {
 
-using testing::xml_fault;
+using test::xml_fault;
 
 TEST(Html, NumbersAsPeopleReadThem) {
   EXPECT_EQ(html::number(0), "0");

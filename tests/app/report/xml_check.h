@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace limberg::testing {
+namespace limberg::test {
 
 /// Empty when the text is well formed, otherwise what is wrong and where.
 inline std::string xml_fault(const std::string& s) {
@@ -75,4 +75,4 @@ inline std::string xml_fault(const std::string& s) {
   return open.empty() ? "" : "<" + open.back() + "> is never closed";
 }
 
-}  // namespace limberg::testing
+}  // namespace limberg::test

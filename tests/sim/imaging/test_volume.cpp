@@ -159,6 +159,13 @@ TEST_F(Files, BrokenFilesHaveAMessage) {
   EXPECT_NE(with("endian: little\n", "").find("endian"), std::string::npos);
   EXPECT_NE(with("encoding: raw\n\n", "encoding: raw\ndata file: not_there\n\n").find("no such file"),
             std::string::npos);
+  for (const char* outside : {"/etc/passwd", "../a.raw", "below/../../a.raw"})
+    EXPECT_NE(with("encoding: raw\n\n", std::string("encoding: raw\ndata file: ") + outside + "\n\n")
+                  .find("outside of the header's folder"),
+              std::string::npos)
+        << outside;
+  EXPECT_NE(message(kMeta + "ElementType = MET_SHORT\nElementDataFile = ../a.raw\n").find("outside"),
+            std::string::npos);
   EXPECT_NE(with("encoding: raw\n\n", "encoding: raw\nbyte skip: 99999\n\n").find("skip"), std::string::npos);
   // 400 bytes that promise a gigabyte: none of it is asked for.
   {

@@ -8,6 +8,7 @@
 #include "sim/commands/procedures/catalogue.h"
 #include "sim/commands/procedures/plan_drawing.h"
 #include "sim/geometry/vec.h"
+#include "tests/app/report/xml_check.h"
 
 namespace limberg {
 namespace test_figures {
@@ -121,6 +122,14 @@ TEST(Figures, SeamsOfTranspositionFlapsHaveEqualBanks) {
     for (const Figure f = figure(name); const Seam& s : f.seams)
       EXPECT_NEAR(path_length(bank(f, s.a_from, s.a_to, true)), path_length(bank(f, s.b_from, s.b_to, false)), 1e-9)
           << name;
+}
+
+// The title may be that of a lesson or a script, whoever wrote it.
+TEST(Figures, ADrawingsTitleStaysText) {
+  const std::string svg = plan_svg(figure("z_plasty"), "</text><script>alert(1)</script>\x1b \"&\" \xff");
+  EXPECT_EQ(test::xml_fault(svg), "");
+  EXPECT_EQ(svg.find("<script"), std::string::npos);
+  EXPECT_NE(svg.find("&lt;script&gt;alert(1)"), std::string::npos);
 }
 
 TEST(Figures, DrawingNamesEveryCharge) {

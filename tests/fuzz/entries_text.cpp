@@ -1,0 +1,251 @@
+// What is written as text: TOML, JSON, scripts, tables.
+#include <cmath>
+#include <filesystem>
+
+#include "app/assembly/lesson.h"
+#include "app/assembly/repro.h"
+#include "app/head/cache.h"
+#include "app/operating_point/kept_trials.h"
+#include "app/operating_point/operating_point.h"
+#include "app/program/shown.h"
+#include "app/program/temporary_folder.h"
+#include "app/report/compare.h"
+#include "app/report/report.h"
+#include "app/result/result.h"
+#include "app/scene/scene.h"
+#include "app/scene/tissues.h"
+#include "app/study/member_file.h"
+#include "calibration/calibration.h"
+#include "calibration/points_file.h"
+#include "sim/base/error.h"
+#include "sim/commands/script.h"
+#include "sim/imaging/register/landmark_pairs.h"
+#include "tests/app/report/xml_check.h"
+#include "tests/fuzz/entry_parts.h"
+
+namespace limberg::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kSmallScene = R"([body]
+source = "block"
+size_mm = [40, 40, 10]
+skin_cell_mm = 2
+[[layer]]
+name = "skin"
+thickness_mm = 10
+young_kPa = 60
+poisson = 0.45
+[lattice]
+cell_mm = 5
+)";
+
+constexpr const char* kResult = R"json({"limberg": {"version": "0.1.0", "commit": "abc"}, "command": "replay",
+"scene": "rhomboid", "ok": false, "machine": {"cpu": "Some CPU", "cores": 2}, "mode": "lockstep", "duration_s": 60.5,
+"state_hash": "00ff", "parts": ["cutter"], "memory_mb": 300, "reproduce": "limberg replay x.lcm",
+"verdict": [{"what": "gape", "value": 3, "unit": "mm", "limit": 1, "place": "(1, 2)", "bad": true}],
+"device": {"ticks": 605, "late_ticks": 3, "wake_us": {"p50": 20, "max": 5000}, "work_us": {"p50": 10}},
+"solver": {"steps": 3630, "step_ms": {"p50": 8}, "residual": 3.2e-5}, "render": {"frames": 9, "frame_ms": {"p50": 20}},
+"metrics": {"pieces": 1, "closure_force_N": 7.25, "sutures": [{"id": 1, "force_N": 2.75, "gap_mm": 0.12}, {"id": 3}]},
+"stages": [{"name": "cut", "picture": "stages/00.png", "t_s": 10, "caption": "Out.", "sutures": 2}],
+"series": {"t_s": [0, 1, 2], "residual": [0.1, null, 1e-3]}, "balance": {"sum_N": [0, 0.001, 0], "relative": 0.005},
+"convergence": [{"cell_mm": 5, "dog_ear_mm": 1.6}, {"cell_mm": 3.5, "dog_ear_mm": 1.9}],
+"discretisation": {"dog_ear_mm": {"value": 1.9, "error": 0.9, "order": 1.4, "asymptotic": false, "says": "swings"}},
+"bars": [{"name": "b", "value": 1, "bar": 2, "pass": true}], "lesson": {"title": "t", "goal": "g"},
+"tables": [{"title": "t", "about": "a", "columns": ["x", "y"], "rows": [["1", "2"]]}],
+"charts": [{"title": "c", "x": "mm", "y": "N", "series": [{"name": "s", "x": [1, 2], "y": [3, 4]}]}],
+"gallery": [{"picture": "a.png", "caption": "b"}], "exercise": {"time_s": 3},
+"script": [{"action": "excise", "depth_mm": 4}, "{\"action\":\"stage\",\"name\":\"cut\"}"]})json";
+
+Entry script_entry() {
+  return text_entry(
+      "script", {"sim/commands/script.cpp", "sim/commands/script_reader.cpp"},
+      {shipped("recordings/rhomboid.jsonl"), shipped("recordings/craniofacial.jsonl")},
+      [](const std::string& text) -> std::string {
+        const std::string again = to_text(parse_script(text, kNamed));
+        return to_text(parse_script(again, "written")) == again ? "" : "a script differs when it is written and read";
+      });
+}
+
+Entry calibration_entry() {
+  return text_entry("calibration", {"calibration/calibration.cpp"},
+                    {shipped("calibration/identity.toml"), R"(limberg_calibration = 1
+name = "metal"
+[glove]
+closed_mm = 12
+[world]
+from_tracker_quat = [0, 1, 0, 0]
+[distortion]
+nodes = [2, 2, 2]
+low_mm = [0, 0, 0]
+high_mm = [100, 100, 100]
+add_mm = [0,0,0, 1,0,0, 0,1,0, 0,0,1, 1,1,0, 0,0,0, 0,0,0, 2,0,0]
+)"},
+                    [](const std::string& text) -> std::string {
+                      const Calibration c = parse_calibration(text, kNamed);
+                      const Calibration again = parse_calibration(to_toml(c), "written");
+                      if (calibration_hash(c) != calibration_hash(again)) return "it differs when written and read";
+                      return c.distortion.at({50, 20, 1e9}).allFinite() ? "" : "a correction that is no number";
+                    });
+}
+
+Entry repro_entry() {
+  Repro r;
+  r.program = "limberg", r.scene = "small", r.reason = "why", r.cell_mm = 3.5;
+  r.commands = {SetHook{1, {3, 4}}};
+  r.refused = Incise{{{0.1, 0}, {1.0 / 3, 20}}, 4, 70};
+  return text_entry("repro", {"app/assembly/repro.cpp"}, {to_text(r)}, [](const std::string& text) -> std::string {
+    const Repro got = parse_repro(text, kNamed);
+    const std::string again = to_text(got);
+    if (to_text(parse_repro(again, "written")) != again) return "it differs when it is written and read";
+    return script_of(got, kNamed).lines.size() == got.commands.size() + 1 ? "" : "commands are missing";
+  });
+}
+
+Entry operating_point_entry(const Folder& folder) {
+  const auto scene = std::make_shared<Scene>(parse_scene(kSmallScene, "small.toml"));
+  const std::string sound =
+      R"({"operating_point": {"cell_mm": 3.5, "iterations": 10, "frame_ms": 1, "error_mm": 1, "budget_ms": 8,
+"fits": true, "scene_hash": ")" +
+      hex(scene->hash) + "\"}}";
+  return path_entry("operating_point", folder, "result.json", {"app/operating_point/operating_point.cpp"}, {sound},
+                    [scene](const std::string& path) -> std::string {
+                      const bench::OperatingPoint p = read_operating_point(path, *scene);
+                      try {
+                        const Scene s = at_operating_point(*scene, p.cell_mm, p.iterations);
+                        return s.iterations_per_step == p.iterations ? "" : "another number of iterations";
+                      } catch (const InputError&) {
+                        return "";  // cells that do not fit into this body
+                      }
+                    });
+}
+
+/// A page is well formed whatever the words and numbers of its result are.
+Entry result_entry(const Folder& folder) {
+  return text_entry("result",
+                    {"app/report/report.cpp", "app/report/report_data.cpp", "app/report/sections/closing.cpp"},
+                    {kResult}, [folder](const std::string& text) {
+                      return test::xml_fault(report_html(text, (folder->path() / kNamed).string()));
+                    });
+}
+
+Entry comparison_entry(const Folder& folder) {
+  return text_entry("comparison", {"app/report/compare.cpp", "app/report/report_data.cpp"}, {kResult},
+                    [folder](const std::string& text) {
+                      const std::string dir = (folder->path() / kNamed).string();
+                      return test::xml_fault(comparison_html(text, dir, kResult, dir));
+                    });
+}
+
+/// What replay takes from another result (--convergence) and writes into its own.
+Entry convergence_entry(const Folder& folder) {
+  return path_entry("convergence", folder, "other.json", {"app/result/result.cpp"}, {kResult},
+                    [](const std::string& path) -> std::string {
+                      Result r("replay", "small");
+                      r.take("/convergence", path), r.take("/discretisation", path);
+                      return test::xml_fault(report_html(r.text(), fs::path(path).parent_path().string()));
+                    });
+}
+
+Entry member_entry(const Folder& folder) {
+  const study::Family& family = study::find_family("disc");
+  study::Values values;
+  for (const study::Parameter& p : family.parameters) values.push_back(p.values.front());
+  study::MemberResult m;
+  m.row.figures = {{"a", 0.1}, {"none", std::nan("")}};
+  m.row.title = "title", m.row.profile = {"curve", {1, 2}, {0.1, 4}, true}, m.seconds = 1, m.program = 7;
+  study::MemberResult failed;
+  failed.failure = "did not come to rest";
+  return path_entry("member", folder, "member.json", {"app/study/member_file.cpp"},
+                    {member_text(family, values, m), member_text(family, values, failed)},
+                    [&family, values](const std::string& path) -> std::string {
+                      const auto r = study::read_member(path, family, values);
+                      if (!r) return "there is a file, and no member";
+                      if (r->row.profile.x.size() != r->row.profile.y.size())
+                        return "a curve without half of its places";
+                      return std::isfinite(r->seconds) ? "" : "a time that is no number";
+                    });
+}
+
+Entry trials_entry() {
+  bench::AccuracyTrial t;
+  t.cell_mm = 3.5, t.iterations = 8, t.nodes = 100, t.frame_ms = 1.25;
+  return text_entry("trials", {"app/operating_point/kept_trials.cpp"},
+                    {"sweep\n" + kept_line(t) + kept_line(t) + "4\thexa"}, [](const std::string& text) -> std::string {
+                      std::string again = "sweep\n";
+                      for (const bench::AccuracyTrial& k : bench::parse_kept_trials(text, "sweep")) {
+                        if (!(k.cell_mm > 0) || !std::isfinite(k.error_mm)) return "a trial without sense";
+                        again += kept_line(k);
+                      }
+                      // What is no sweep, or no trial, is left out; never refused.
+                      if (again == "sweep\n" && !text.starts_with("sweep\n"))
+                        throw InputError(kNamed, 0, "holds no sweep");
+                      return "";
+                    });
+}
+
+}  // namespace
+
+std::vector<Entry> text_entries(const Folder& folder) {
+  const auto laws = shipped_laws();
+  std::vector<Entry> all;
+  all.push_back(text_entry("tissues", {"app/scene/tissues.cpp"}, {shipped("app/scene/tissues.toml")},
+                           [laws](const std::string& text) -> std::string {
+                             for (const NamedTissue& t : parse_tissues(text, kNamed, *laws).tissues)
+                               if (!std::isfinite(t.material.young_kPa) || t.source.empty())
+                                 return "a tissue without sense";
+                             return "";
+                           }));
+  all.push_back(text_entry("lesson", {"app/assembly/lesson.cpp"},
+                           {shipped("app/lessons/rhomboid.toml"), shipped("app/lessons/zplasty.toml")},
+                           [](const std::string& text) -> std::string {
+                             return parse_lesson(text, kNamed).tolerances.empty() ? "a lesson that asks nothing" : "";
+                           }));
+  all.push_back(script_entry());
+  all.push_back(calibration_entry());
+  all.push_back(repro_entry());
+  all.push_back(operating_point_entry(folder));
+  all.push_back(result_entry(folder));
+  all.push_back(comparison_entry(folder));
+  all.push_back(convergence_entry(folder));
+  all.push_back(member_entry(folder));
+  all.push_back(trials_entry());
+  all.push_back(text_entry("points", {"calibration/points_file.cpp", "app/commands/calibrate.cpp"},
+                           {"# touched\n0 0 1\n1,2;3 # corner\n\n-4e1 5 6\n"},
+                           [](const std::string& text) -> std::string {
+                             for (const Vec3& p : parse_points(text, kNamed))
+                               if (!p.allFinite()) return "a place that is none";
+                             return "";
+                           }));
+  all.push_back(text_entry("landmark_pairs", {"sim/imaging/register/landmark_pairs.cpp", "app/commands/superpose.cpp"},
+                           {"# a b\nnasion 0 0 1 2 3 4\nmenton 1 2 3 -4 5e0 6\n"},
+                           [](const std::string& text) -> std::string {
+                             const LandmarkPairs p = parse_landmark_pairs(text, kNamed);
+                             return p.a_mm.size() == p.b_mm.size() ? "" : "a pair of one";
+                           }));
+  all.push_back(text_entry("kept_landmarks", {"app/head/cache.cpp"}, {"nasion 0 0.25 1\nmenton 1 -2e1 3\n"},
+                           [](const std::string& text) -> std::string {
+                             const auto all_of = parse_kept_landmarks(text);
+                             if (!all_of) throw InputError(kNamed, 0, "is no list of landmarks");
+                             for (const auto& [name, at] : *all_of)
+                               if (name.empty() || !at.allFinite()) return "a landmark that is none";
+                             return "";
+                           }));
+  all.push_back(text_entry(
+      "shown", {"app/program/shown.cpp"}, {"a name\tof\nlines \xC3\xA4"}, [](const std::string& text) -> std::string {
+        const std::string s = shown(text);
+        for (size_t i = 0; i < s.size(); ++i) {
+          const auto c = uint8_t(s[i]);
+          if ((c < ' ' && c != '\n' && c != '\t') || c == 127) return "a command for a terminal";
+          if (c == 0xC2 && i + 1 < s.size() && uint8_t(s[i + 1]) >= 0x80 && uint8_t(s[i + 1]) < 0xA0)
+            return "a command of two bytes for a terminal";
+        }
+        if (shown(s) != s) return "what is shown changes when it is shown again";
+        if (s != text) throw InputError(kNamed, 0, "held commands for a terminal");
+        return "";
+      }));
+  return all;
+}
+
+}  // namespace limberg::fuzz
