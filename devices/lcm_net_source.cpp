@@ -60,7 +60,7 @@ struct LcmNetSource::Impl {
     s.t_ns = monotonic_ns() - start_ns;
     // The sender's clock is not ours, but how old the reading was when it was sent is known by it alone.
     if constexpr (std::is_same_v<S, TrackerSample>)
-      s.true_ns = s.t_ns - std::clamp<int64_t>(sent_ns - s.true_ns, 0, 1'000'000'000);
+      s.true_ns = s.t_ns - std::clamp<int64_t>(sent_ns - s.true_ns, 0, kOldestReadingNs);
     const std::pair<int, int32_t> stream{stream_of(s), s.device_id};
     int64_t gap = 0;
     if (!heard.take(stream, s.seq, s.t_ns, has_checksum, gap)) {

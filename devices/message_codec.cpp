@@ -105,8 +105,7 @@ const char* to_sample(const limberg_msg::tracker_t& m, TrackerSample& s, bool an
   if (m.station < 1 || m.station > 4) return "unknown station";
   if (m.role < int32_t(StationRole::none) || m.role > int32_t(StationRole::thumb)) return "unknown role of a station";
   if (m.status < 0x20 || m.status > 0x7E) return "status is not a character";
-  constexpr int64_t second = 1'000'000'000;
-  if (!any_time && (m.t_device_ns > m.t_host_ns || m.t_device_ns < m.t_host_ns - second))
+  if (!any_time && (m.t_device_ns > m.t_host_ns || m.t_device_ns < m.t_host_ns - kOldestReadingNs))
     return "reading not from the last second";
   copy_prefix(m, s);
   s.true_ns = m.t_device_ns;

@@ -90,6 +90,9 @@ CommandSample command_sample(const Command& command);
 /// What a station of a tracker is fixed to.
 enum class StationRole : int32_t { none = 0, stylus = 1, forefinger = 2, thumb = 3 };
 
+/// A reading of a tracker was made at most so long before it came.
+inline constexpr int64_t kOldestReadingNs = 1'000'000'000;
+
 /// One reading of one station of a tracker (LCM tracker_t), in the tracker's own frame: the sensor, not the tip.
 struct TrackerSample {
   int32_t device_id = 0;

@@ -190,7 +190,8 @@ void Link::on_record(const Record& r) {
   s.quat = r.quat;
   s.buttons = r.pressed ? 1 : 0;
   s.t_ns = now_ns_;
-  s.true_ns = stamps_[i].stamp(r.t_ns) - kOutputDelayNs;
+  // While a machine stands still its serial line fills, and no reading is older than a recording takes.
+  s.true_ns = std::clamp(stamps_[i].stamp(r.t_ns) - kOutputDelayNs, now_ns_ - kOldestReadingNs, now_ns_);
   mirrored_ += mirror_[i].straighten(s.pos_mm, s.true_ns);
   ++readings_;
   receiver_->on_reading(s);

@@ -35,7 +35,7 @@ template <class M>
 std::string encoded(const M& m, bool with_checksum) {
   MessageBytes bytes;
   const size_t n = encode_message(m, bytes);
-  if (!with_checksum) std::memset(bytes.data() + n - 4, 0, 4);
+  if (!with_checksum && n >= 4) std::memset(bytes.data() + n - 4, 0, 4);
   return {bytes.begin(), bytes.begin() + ptrdiff_t(n)};
 }
 
@@ -290,7 +290,7 @@ Entry conversation_entry() {
     int64_t now = 0, sent = 0;
     link.opened(now);
     for (size_t at = 0; at < bytes.size();) {
-      const size_t n = std::min<size_t>(uint8_t(bytes[at++]), bytes.size() - at);
+      const size_t wanted = uint8_t(bytes[at++]), n = std::min(wanted, bytes.size() - at);
       link.receive(reinterpret_cast<const uint8_t*>(bytes.data()) + at, n, now, take);
       at += n;
       for (int k = 0; k < 50; ++k) {

@@ -1,5 +1,7 @@
 #include "sim/fem/preconditioner/cholesky.h"
 
+#include <metis.h>
+
 #include <algorithm>
 #include <new>
 #include <stdexcept>
@@ -8,18 +10,47 @@
 
 namespace limberg::fem {
 
+namespace {
+
+/// Nested dissection of the matrix's graph, rows in the order of elimination. METIS is asked here and not by CHOLMOD,
+/// which takes whatever METIS leaves behind when memory fails in it for an order.
+std::vector<int32_t> nested_dissection(const ScalarMatrix& A) {
+  static_assert(std::is_same_v<idx_t, int32_t>);
+  int32_t n = A.n();
+  std::vector<int32_t> first(size_t(n) + 1, 0), order(static_cast<size_t>(n)), place(static_cast<size_t>(n));
+  for (int32_t j = 0; j < n; ++j)
+    for (int32_t k = A.begin[size_t(j)] + 1; k < A.begin[size_t(j) + 1]; ++k)  // (the diagonal comes first)
+      ++first[size_t(j) + 1], ++first[size_t(A.row[size_t(k)]) + 1];
+  for (size_t j = 0; j < size_t(n); ++j) first[j + 1] += first[j];
+  if (first.back() == 0) {  // METIS wants an edge
+    for (int32_t j = 0; j < n; ++j) order[size_t(j)] = j;
+    return order;
+  }
+  std::vector<int32_t> next(first.begin(), first.end() - 1), neighbour(size_t(first.back()));
+  for (int32_t j = 0; j < n; ++j)  // each node's neighbours in ascending order
+    for (int32_t k = A.begin[size_t(j)] + 1; k < A.begin[size_t(j) + 1]; ++k) {
+      const int32_t i = A.row[size_t(k)];
+      neighbour[size_t(next[size_t(j)]++)] = i, neighbour[size_t(next[size_t(i)]++)] = j;
+    }
+  const int status = METIS_NodeND(&n, first.data(), neighbour.data(), nullptr, nullptr, order.data(), place.data());
+  if (status == METIS_ERROR_MEMORY) throw std::bad_alloc();
+  if (status != METIS_OK) throw std::runtime_error("the order of elimination could not be found");
+  return order;
+}
+
+}  // namespace
+
 SupernodalShape analyze(const ScalarMatrix& A, std::span<const int32_t> order) {
+  std::vector<int32_t> given = order.empty() ? nested_dissection(A) : std::vector<int32_t>(order.begin(), order.end());
   cholmod_common common;
   cholmod_start(&common);
   common.print = 0;
   common.supernodal = CHOLMOD_SUPERNODAL;
   common.nmethods = 1;
-  common.method[0].ordering = order.empty() ? CHOLMOD_METIS : CHOLMOD_GIVEN;
+  common.method[0].ordering = CHOLMOD_GIVEN;
   common.postorder = 1;
   cholmod_sparse S = cholmod_view(A);
-  std::vector<int32_t> given(order.begin(), order.end());
-  cholmod_factor* L =
-      order.empty() ? cholmod_analyze(&S, &common) : cholmod_analyze_p(&S, given.data(), nullptr, 0, &common);
+  cholmod_factor* L = cholmod_analyze_p(&S, given.data(), nullptr, 0, &common);
   SupernodalShape shape;
   const bool ok = L && common.status == CHOLMOD_OK && L->is_super;
   if (ok) {

@@ -58,8 +58,11 @@ TEST(Faults, PlantedDefectsAreFound) {
   const std::vector<faults::Judgement> found = faults::run_cases(s);
   ASSERT_EQ(found.size(), 2u);
   for (const faults::Judgement& j : found) {
-    if (j.of.kind == Kind::plant_hold) EXPECT_TRUE(j.wrong) << "a recording that never reaches the disk: " << j.why;
-    if (j.of.kind == Kind::plant_crash) EXPECT_TRUE(j.crash) << j.why;
+    if (j.of.kind == Kind::plant_hold) {
+      EXPECT_TRUE(j.wrong) << "a recording that never reaches the disk: " << j.why;
+    } else {
+      EXPECT_TRUE(j.crash) << j.why;
+    }
   }
 }
 
