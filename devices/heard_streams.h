@@ -53,7 +53,7 @@ class HeardStreams {
       streams_.erase(oldest);
     }
     Stream& fresh = streams_[name];
-    if (seq <= forgotten_seq_) fresh.shift = forgotten_seq_ + 1 - seq;  // it may be one of those
+    if (seq <= forgotten_seq_) fresh.shift = forgotten_seq_ + 1 - seq;  // the stream may be one that was forgotten
     return &fresh;
   }
 

@@ -88,7 +88,7 @@ class SolverLane {
 
  private:
   void advance(int64_t tick, const StepSettings& s);
-  void pass_on(SolverTake take);  // to the recording, with the hash of what came of it
+  void pass_on(SolverTake take);  // to the recording, with the hash of the state after the step
   void take(const ToolEvent& e, int64_t tick);
   void take(const Command& c, int64_t tick);   // of a panel or a program
   bool apply(const Command& c, int64_t tick);  // false: refused

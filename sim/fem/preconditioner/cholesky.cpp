@@ -2,9 +2,9 @@
 
 #include <metis.h>
 
-#include <algorithm>
 #include <new>
 #include <stdexcept>
+#include <type_traits>
 
 #include "sim/fem/preconditioner/cholmod_view.h"
 

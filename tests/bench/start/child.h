@@ -10,7 +10,7 @@ struct ChildFigures {
   double peak_mb = 0;        // resident
   double until_line_s = -1;  // from its start until it first wrote a line to standard error; -1: it wrote none
   double took_s = 0;
-  std::vector<std::string> libraries;  // file names of those that it loaded, at its start or later
+  std::vector<std::string> libraries;  // file names of what the process has loaded, at its start or later
 };
 
 /// Runs words[0]; what it prints goes nowhere. `folder`: for what the loader has to say.
