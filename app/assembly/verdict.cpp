@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "app/result/verdict_words.h"
+#include "sim/lattice/fem_assembly.h"
 #include "sim/measure/table.h"
 
 namespace limberg {
@@ -85,8 +86,11 @@ void look_at_shape(Lines& lines, const VerdictOf& of) {
                 {0.5 * of.cell_mm * of.cell_mm, of.cell_mm * of.cell_mm,
                  "one face of a cell of the lattice, which bends skin no sharper"},
                 m.turned.area_mm2 > 0 ? on_chart(*of.body, m.turned.at_mm) : "");
-  lines.limited("cells of the lattice inside out", m.inverted_cells, "", {0, 0, "tissue cannot be turned inside out"},
-                "");
+  lines.limited(
+      "tissue inside out", m.inverted_mm3, "mm³",
+      {0, kLeastFraction * of.cell_mm * of.cell_mm * of.cell_mm,
+       "tissue cannot be turned inside out; a hundredth of a cell is what the lattice does not tell from none"},
+      m.inverted_cells > 0 ? on_chart(*of.body, m.inverted_at_mm) : "");
   lines.limited("dog-ear", m.dog_ear_mm, "mm", kDogEar_mm, m.dog_ear_mm > 0 ? on_chart(*of.body, m.dog_ear_at_mm) : "",
                 "dog_ear_mm");
   const double skin_mm = of.body->layers.empty() ? 1 : of.body->layers[0].thickness_mm;

@@ -9,8 +9,6 @@
 namespace limberg {
 namespace {
 
-constexpr double kFloor = 1e-2;  // of the fraction, for conditioning: a sliver's nodes stay solvable in float
-
 // A block's outermost cells miss this little at most (grid_fit.h): half of `count` half-units of thousands per cell,
 // eight times that when cells can be divided, and in a part it is more of the whole.
 double counts_as_full(bool divisible, int level) { return 1 - (divisible ? 0.006 : 0.002) * double(1 << level); }
@@ -32,7 +30,7 @@ class Assembly {
     return out;
   }
   float scale(double fraction, int level) const {
-    return fraction > counts_as_full(t_.front_levels > 0, level) ? 1.0f : float(std::max(fraction, kFloor));
+    return fraction > counts_as_full(t_.front_levels > 0, level) ? 1.0f : float(std::max(fraction, kLeastFraction));
   }
   double mass_kg(const CellCopy& copy, const HexCell& cell) const {
     int32_t stencil = cell.stencil;

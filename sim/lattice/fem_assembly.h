@@ -9,7 +9,7 @@
 //   depth of the box's middle, interpolated from the cell's corners), else one; frame at the cell's centre. Cells that
 //   lie wholly in one layer without prestretch share its stencil.
 //
-// A cell copy takes its stencil times max(fraction, 1e-2); a fraction above 0.998 counts as 1,
+// A cell copy takes its stencil times max(fraction, kLeastFraction); a fraction above 0.998 counts as 1,
 // so that the micrometres by which lattice planes lie outside a block do not load it. Masses
 // take the exact fraction. Parts of divided cells have stencils of their own size
 // (Stencil::level), made in the same way when they are first asked for; where planes must lie
@@ -26,6 +26,10 @@
 namespace limberg {
 
 struct LayerMatter;
+
+/// For conditioning: a sliver's nodes stay solvable in float. Tissue of less than this share of a cell is not told from
+/// none.
+inline constexpr double kLeastFraction = 1e-2;
 
 /// Stencils of a body on a grid; built once, reused for every version of the topology.
 class StencilTable {

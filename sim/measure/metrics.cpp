@@ -66,6 +66,22 @@ ForceBalance force_balance(std::span<const HookState> hooks, std::span<const Sut
   return b;
 }
 
+// Cells with J <= 0: how many, how much tissue is in them, and where in the body the largest part of it is.
+static void look_at_inverted(std::span<const float> J, const FemModel& model, Metrics& m) {
+  double largest_mm3 = 0;
+  for (size_t c = 0; c < J.size(); ++c) {
+    if (J[c] > 0) continue;
+    ++m.inverted_cells;
+    const HexCell& cell = model.cells[c];
+    const double volume_mm3 = double(cell.scale) * model.stencils[size_t(cell.stencil)].volume_mm3;
+    m.inverted_mm3 += volume_mm3;
+    if (volume_mm3 <= largest_mm3) continue;
+    largest_mm3 = volume_mm3;
+    m.inverted_at_mm.setZero();
+    for (const int32_t n : cell.node) m.inverted_at_mm += model.X_mm[size_t(n)] / 8;
+  }
+}
+
 Metrics measure(const Snapshot& snapshot, const Skin& skin, const ElasticSolver& solver, const RestVolumes& volumes,
                 std::span<const Command> script, const MeasureAlso& also) {
   Metrics m;
@@ -100,7 +116,7 @@ Metrics measure(const Snapshot& snapshot, const Skin& skin, const ElasticSolver&
   std::vector<float> J;
   solver.cell_J(J);
   if (!J.empty()) m.min_J = double(*std::min_element(J.begin(), J.end()));
-  m.inverted_cells = int(std::count_if(J.begin(), J.end(), [](float j) { return !(j > 0); }));
+  look_at_inverted(J, solver.model(), m);
   m.balance = force_balance(snapshot.hooks, snapshot.sutures, solver.support_force_mN());
 
   const SurfaceView& view = snapshot.topology->view;

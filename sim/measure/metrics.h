@@ -69,6 +69,8 @@ struct Metrics {
 
   double min_J = 1;  // det F at the centres of the cells
   int inverted_cells = 0;
+  double inverted_mm3 = 0;  // tissue in them, at rest; where the largest part of it is
+  Vec3 inverted_at_mm = Vec3::Zero();
   ForceBalance balance;
 
   double suture_force_peak_N = 0;                    // the largest at any time the tissue was at rest

@@ -221,6 +221,9 @@ const Measure kTable[] = {
      Across::none,
      {},
      true},
+    {"inverted_mm3", "mm³", "tissue in inverted cells",
+     "tissue at rest of the cells with det F at most 0 at their centres", "one point a cell",
+     LIMBERG_OF(m.inverted_mm3)},
 };
 
 #undef LIMBERG_OF

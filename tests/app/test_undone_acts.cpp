@@ -43,7 +43,7 @@ Command random_act(Random& r) {
     case 6:
       return MoveHook{1 + r.below(2), {p.x(), p.y(), r.real(2, 6)}, 0};
     case 7:
-      return CutSuture{{1 + r.below(4), {}}};
+      return CutSuture{{1 + r.below(4), Vec2::Zero()}};
     default:
       return Suture{p, near(9)};
   }

@@ -6,6 +6,7 @@
 #include "app/assembly/verdict.h"
 #include "app/result/verdict_words.h"
 #include "sim/body/block.h"
+#include "sim/lattice/fem_assembly.h"
 
 namespace limberg {
 namespace test_verdict {
@@ -85,7 +86,9 @@ TEST_F(Verdict, EachFaultIsSeen) {
   };
   alone("skin on its face", "bad", [&] { m.turned = {40, Vec3(1, 2, 0)}; });
   alone("skin on its face", "warn", [&] { m.turned = {8, Vec3(1, 2, 0)}; });
-  alone("cells of the lattice inside out", "bad", [&] { m.inverted_cells = 1; });
+  const double told_from_none_mm3 = kLeastFraction * std::pow(3.5, 3);  // of a cell
+  alone("tissue inside out", "warn", [&] { m.inverted_cells = 1, m.inverted_mm3 = 0.9 * told_from_none_mm3; });
+  alone("tissue inside out", "bad", [&] { m.inverted_cells = 1, m.inverted_mm3 = 1.1 * told_from_none_mm3; });
   alone("dog-ear", "bad", [&] { m.dog_ear_mm = 8.4; });
   alone("tissue in tissue", "bad", [&] { m.penetration.p99_mm = 1; });
   alone("stitches that hold nothing: both", "bad", [&] { m.one_bank = {2}; });
@@ -117,7 +120,7 @@ TEST_F(Verdict, ALessonsOwnToleranceWinsAndWhatElseItAsksIsALine) {
 }
 
 TEST_F(Verdict, BadComesBeforeWhatIsWorthALookBeforeWhatIsGood) {
-  m.slack = {1}, m.inverted_cells = 2, m.dog_ear_mm = 9;
+  m.slack = {1}, m.inverted_mm3 = 2, m.dog_ear_mm = 9;
   const auto v = look();
   const auto rank = [](const std::string& l) { return l == "bad" ? 0 : l == "warn" ? 1 : l == "told" ? 2 : 3; };
   for (size_t i = 1; i < v.size(); ++i) EXPECT_LE(rank(v[i - 1].light), rank(v[i].light));

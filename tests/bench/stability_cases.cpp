@@ -263,9 +263,9 @@ void slab(List& l) {
   auto& press = add("press: the middle pushed 20 mm through 10 mm", true);
   press.load = {hook(*press.model, {0, 0, 10}, {0, 0, -20}, 100)}, press.hold_steps = 150, press.ramp_steps = 100;
   for (double speed : {20.0, 200.0}) {
-    auto& pull = add("pull of 20 mm at " + std::to_string(int(speed)) + " mm/s", false);
-    pull.load = {hook(*pull.model, {0, 0, 10}, {0, 0, 20}, 100)}, pull.ramp_steps = int(std::lround(2000 / speed)),
-    pull.hold_steps = pull.ramp_steps + 50;
+    auto& lift = add("pull of 20 mm at " + std::to_string(int(speed)) + " mm/s", false);
+    lift.load = {hook(*lift.model, {0, 0, 10}, {0, 0, 20}, 100)}, lift.ramp_steps = int(std::lround(2000 / speed)),
+    lift.hold_steps = lift.ramp_steps + 50;
   }
   const char* names[] = {"scramble", "flat", "mirror"};
   const Start starts[] = {Start::scramble, Start::plane, Start::mirror};

@@ -11,6 +11,21 @@ namespace test_metrics {
 // A solution that is given, not computed.
 class GivenSolver final : public ElasticSolver {
  public:
+  // Four cells of 8 mm³ in a row along x; the third is a quarter of one.
+  GivenSolver() {
+    Stencil s;
+    s.volume_mm3 = 8;
+    model_.stencils.push_back(s);
+    for (int c = 0; c < 4; ++c) {
+      HexCell cell;
+      for (int k = 0; k < 8; ++k) {
+        cell.node[size_t(k)] = int32_t(model_.X_mm.size());
+        model_.X_mm.push_back(2 * Vec3(c + (k & 1), k >> 1 & 1, k >> 2));
+      }
+      cell.stencil = 0, cell.scale = c == 2 ? 0.25f : 1.0f;
+      model_.cells.push_back(cell);
+    }
+  }
   std::vector<float> J{1.0f, 0.5f, -0.25f, 1.1f};
   Vec3 support{0, 0, 0};
   void set_model(std::shared_ptr<const FemModel>, const ParentList&) override {}
@@ -74,6 +89,8 @@ TEST(Metrics, OfAStretchedBlock) {
   EXPECT_NEAR(m.suture_gap_max_mm, 0.15, 1e-6);
   EXPECT_EQ(m.min_J, -0.25);
   EXPECT_EQ(m.inverted_cells, 1);
+  EXPECT_EQ(m.inverted_mm3, 2);
+  EXPECT_EQ(m.inverted_at_mm, Vec3(5, 1, 1));
   EXPECT_NEAR(m.stretch_max, 1.1, 1e-5);
   EXPECT_EQ(m.dog_ear_mm, 0);
   EXPECT_EQ(m.wound_gape_mm, 0);

@@ -79,6 +79,7 @@ TEST(MeasureTable, EachEntryReadsItsOwnField) {
                     &m.step_off_mm,
                     &m.step_off_mean_mm,
                     &m.compressed_mm2,
+                    &m.inverted_mm3,
                     &m.excised_mm2,
                     &m.landmark_max_mm,
                     &m.penetration.max_mm,
