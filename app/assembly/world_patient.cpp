@@ -65,7 +65,7 @@ Outcome WorldPatient::apply(const Command& c) {
   Outcome o = world_.apply(c);
   // World refuses an act for which there was no memory. A session must not go on after that: whoever does it again has
   // the memory, and another patient.
-  if (!o.done && o.reason.find(std::bad_alloc().what()) != std::string::npos) throw std::bad_alloc();
+  if (o.no_memory) throw std::bad_alloc();
   return o;
 }
 

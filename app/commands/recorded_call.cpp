@@ -1,6 +1,7 @@
 #include "app/commands/recorded_call.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "app/result/progress.h"
 #include "devices/log_source.h"
@@ -69,6 +70,33 @@ void take_samples(SessionCall& call, Recording rec, const std::string& file, boo
   auto source = std::make_unique<LogSource>(std::move(rec.samples), rec.damage.total());
   call.known_length_s = double(source->last_ns()) * 1e-9;
   call.sources.push_back(std::move(source));
+}
+
+SessionCall continued_session(const std::string& file) {
+  SessionCall call;
+  Recording rec = open_session(file);
+  take_session(call, rec, file);
+  call.surgeon_seed = rec.session->seeds[1];
+  SessionCall::GoesOn on;
+  on.file = file, on.files = rec.blobs, on.session = *rec.session;
+  std::vector<Sample> samples = rec.samples;
+  on.end_tick = rec.end ? rec.end->tick : 0;
+  for (const Sample& s : samples)
+    if (!rec.end) on.end_tick = std::max(on.end_tick, (time_of(s) + 999'999) / 1'000'000);
+  // What came after that was never acted upon.
+  std::erase_if(rec.samples, [&](const Sample& s) { return time_of(s) > on.end_tick * 1'000'000; });
+  on.samples = rec.samples;
+  take_samples(call, std::move(rec), file, true);
+  if (call.schedule.usable()) {
+    size_t taken = 0;
+    for (const DeviceRun& r : call.schedule.device) taken += size_t(r.samples);
+    samples.resize(std::min(taken, samples.size()));
+    call.taken = on.samples = std::move(samples);
+  }
+  on.earlier = std::exchange(call.sources, {});
+  call.end_tick = -1;
+  call.goes_on = std::move(on);
+  return call;
 }
 
 }  // namespace limberg

@@ -16,4 +16,7 @@ void take_session(SessionCall& call, const Recording& recording, const std::stri
 /// on an even clock.
 void take_samples(SessionCall& call, Recording recording, const std::string& file, bool as_it_was);
 
+/// The session of that recording, to go on with: all of it that is whole. InputError as open_session and take_session.
+SessionCall continued_session(const std::string& file);
+
 }  // namespace limberg

@@ -78,39 +78,11 @@ std::string lesson_file(const RunOptions& o) {
   return o.scene.find('/') == std::string::npos ? shipped_file("recordings/" + o.scene + ".jsonl") : "";
 }
 
-/// The session of a recording, to go on with: all of it that is whole.
-SessionCall continued(const std::string& file) {
-  SessionCall call;
-  Recording rec = open_session(file);
-  take_session(call, rec, file);
-  call.surgeon_seed = rec.session->seeds[1];
-  SessionCall::GoesOn on;
-  on.file = file, on.files = rec.blobs, on.session = *rec.session;
-  std::vector<Sample> samples = rec.samples;
-  on.end_tick = rec.end ? rec.end->tick : 0;
-  for (const Sample& s : samples)
-    if (!rec.end) on.end_tick = std::max(on.end_tick, (time_of(s) + 999'999) / 1'000'000);
-  // What came after that was never acted upon.
-  std::erase_if(rec.samples, [&](const Sample& s) { return time_of(s) > on.end_tick * 1'000'000; });
-  on.samples = rec.samples;
-  take_samples(call, std::move(rec), file, true);
-  if (call.schedule.usable()) {
-    size_t taken = 0;
-    for (const DeviceRun& r : call.schedule.device) taken += size_t(r.samples);
-    samples.resize(std::min(taken, samples.size()));
-    call.taken = on.samples = std::move(samples);
-  }
-  on.earlier = std::exchange(call.sources, {});
-  call.end_tick = -1;
-  call.goes_on = std::move(on);
-  return call;
-}
-
 int run_session(const RunOptions& o) {
   o.common.prepare();
   if (!o.continued.empty() && o.automatic.on)
     throw InputError("", 0, "--auto with --continue; expected a session that goes on with the cells that it had");
-  SessionCall call = o.continued.empty() ? SessionCall{} : continued(given_or_shipped(o.continued));
+  SessionCall call = o.continued.empty() ? SessionCall{} : continued_session(given_or_shipped(o.continued));
   call.command = "run";
   call.real_time = true;
   if (!call.goes_on) {

@@ -101,6 +101,7 @@ struct Outcome {
   bool done = false;
   // when refused: what is wrong and what was expected, one line; when done: what is worth knowing, mostly nothing
   std::string reason;
+  bool no_memory = false;  // refused because memory ran out: with more of it the act may be done
 };
 
 }  // namespace limberg

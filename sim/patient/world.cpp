@@ -44,7 +44,7 @@ Outcome World::apply(const Command& command) {
   try {
     o = act(command);
   } catch (const std::bad_alloc& e) {
-    o = {false, std::string("the act failed inside (") + e.what() + "); nothing has changed"};
+    o = {false, std::string("the act failed inside (") + e.what() + "); nothing has changed", true};
   }
   if (!o.done) ++refused_;
   return o;

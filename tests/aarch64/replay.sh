@@ -31,7 +31,7 @@ fi
 
 export LIMBERG_AARCH64_ROOT=$root
 cmake -S . -B "$out/build" -G Ninja -DCMAKE_TOOLCHAIN_FILE="$PWD/tests/aarch64/toolchain.cmake" -DLIMBERG_TESTS=OFF \
-  -DLIMBERG_WINDOW=OFF -DLIMBERG_EGL=OFF -DBLAS_LIBRARIES="$lib/openblas-pthread/libopenblas.so" -Dfmt_DIR="$lib/cmake/fmt" > /dev/null
+  -DLIMBERG_WINDOW=OFF -DLIMBERG_EGL=OFF -Dfmt_DIR="$lib/cmake/fmt" > /dev/null
 cmake --build "$out/build" --parallel "$(nproc)" --target limberg
 
 failed=0

@@ -49,7 +49,7 @@ std::string bars_met(const ReportData& d, size_t met) {
 }
 
 /// One line: what is closed, how hard it pulls, whether it has come to rest; and the worst of these.
-struct Verdict {
+struct Summary {
   std::vector<std::string> says;
   Light light = Light::good;
 
@@ -59,8 +59,8 @@ struct Verdict {
   }
 };
 
-Verdict verdict_of(const ReportData& d) {
-  Verdict v;
+Summary summary_of(const ReportData& d) {
+  Summary v;
   const Maybe gap = largest_gap(d), force = largest_force(d);
   if (!d.bars.empty()) {
     const auto met = std::count_if(d.bars.begin(), d.bars.end(), [](const Bar& b) { return b.pass; });
@@ -92,7 +92,7 @@ Verdict verdict_of(const ReportData& d) {
 }
 
 html::Markup verdict_line(const ReportData& d) {
-  Verdict v = verdict_of(d);
+  Summary v = summary_of(d);
   std::string line = joined(v.says, "; ");
   if (d.ok && !*d.ok) {
     v.light = Light::bad;
