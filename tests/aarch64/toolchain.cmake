@@ -15,3 +15,6 @@ set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE BOTH)
 set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE BOTH)
 set(lib ${root}/usr/lib/aarch64-linux-gnu)
 set(CMAKE_EXE_LINKER_FLAGS_INIT "-L${lib} -Wl,-rpath-link,${lib}:${root}/lib/aarch64-linux-gnu:${lib}/blas:${lib}/lapack:${lib}/openblas-pthread -Wl,--allow-shlib-undefined")
+# The program writes its own manual page while it is built.
+set(libraries ${lib}:${lib}/openblas-pthread:${lib}/blas:${lib}/lapack)
+set(CMAKE_CROSSCOMPILING_EMULATOR qemu-aarch64 -L ${root} -E LD_LIBRARY_PATH=${libraries})

@@ -138,5 +138,66 @@ TEST(OwnLaw, NamesAndConstantsAreChecked) {
   EXPECT_THROW(layer_response(m), std::exception);  // the shipped laws do not know it
 }
 
+/// lambda of its own for nu = .45 is 9 mu.
+LawCatalogue::Entry with_volume(bool says_so, double lambda_over_mu) {
+  return {"with-volume", "neo-Hookean with ln J", {{"mu_kPa", 0, 1e6, true}}, [=](const LawCatalogue::Values& v) {
+            const double mu = v.number("mu_kPa");
+            return LayerLaw{0, neo_hookean_log_full(mu, lambda_over_mu * mu), 8, says_so};
+          }};
+}
+
+TEST(OwnLaw, OneThatHoldsItsVolumeHasNoneAddedByTheCell) {
+  Material m;
+  m.law = {"with-volume", {{"mu_kPa", {20}}}};
+  const auto response = [&](bool says_so, double poisson) {
+    LawCatalogue laws = *shipped_laws();
+    laws.add(with_volume(says_so, 9));
+    m.poisson = poisson;
+    return layer_response(m, &laws);
+  };
+  EXPECT_EQ(response(true, 0.45).lambda_kPa, 0);
+  EXPECT_NEAR(response(true, 0.45).mu_kPa, 20, 1e-9);
+  for (const double poisson : {0.3, 0.44, 0.46, 0.49})
+    EXPECT_THROW(response(true, poisson), InputError) << "a ratio that is not the law's own: " << poisson;
+  for (const double poisson : {0.45, 0.46, 0.49})
+    EXPECT_THROW(response(false, poisson), InputError) << "50 kPa on top at .46 otherwise";
+  // A law of shape alone is not complete.
+  LawCatalogue laws = *shipped_laws();
+  LawCatalogue::Entry wrong = yeoh();
+  wrong.make = [](const LawCatalogue::Values&) { return LayerLaw{0, yeoh_law(10, 0, 0), 8, true}; };
+  laws.add(wrong);
+  m.law = {"yeoh", {{"c1_kPa", {10}}, {"c2_kPa", {0}}, {"c3_kPa", {0}}}};
+  EXPECT_THROW(layer_response(m, &laws), InputError);
+}
+
+TEST(OwnLaw, OneThatHoldsItsVolumeRunsThroughAScene) {
+  auto laws = std::make_shared<LawCatalogue>(*shipped_laws());
+  laws->add(with_volume(true, 9));
+  const std::string text = R"(
+[body]
+source = "block"
+size_mm = [24, 20, 6]
+skin_cell_mm = 2
+[[layer]]
+name = "skin"
+thickness_mm = 6
+law = "with-volume"
+mu_kPa = 20
+poisson = 0.45
+[lattice]
+cell_mm = 3
+)";
+  const Scene scene = parse_scene(text, "own.toml", laws);
+  InlineWorkers workers;
+  World world(world_spec(scene, build_body(scene)), workers);
+  StepSettings s;
+  s.max_iterations = 500, s.tolerance = 1e-5;
+  EXPECT_TRUE(world.apply(SetHook{1, {2, 1}}).done);
+  EXPECT_TRUE(world.apply(MoveHook{1, {2, 3, 6}, 0}).done);
+  EXPECT_LE(world.step(s).residual, 1e-5);
+  EXPECT_LT(off_the_law(world, neo_hookean_log_full(20, 180)), 1e-3);
+  EXPECT_GT(off_the_law(world, neo_hookean_log_full(20, 230)), 1e-3) << "50 kPa more are seen";
+}
+
 }  // namespace test_own_law
 }  // namespace limberg

@@ -42,6 +42,37 @@ void check(const LawSpec& spec, const LawCatalogue::Entry& e) {
   }
 }
 
+// Constants of an isotropic law at rest: shear modulus, s and W_12 of the header.
+struct AtRest {
+  double mu_kPa, s_kPa, W12_kPa;
+};
+
+bool is_isotropic(const Mat9& C) {
+  const double spread = std::max({std::fabs(C(0, 0) - C(4, 4)), std::fabs(C(4, 4) - C(8, 8)),
+                                  std::fabs(C(0, 4) - C(4, 8)), std::fabs(C(4, 8) - C(0, 8))});
+  return spread <= 1e-6 * std::fabs(C(0, 0));
+}
+
+// A law without stress at rest whose sides press each other (W_12 > 0) holds its volume: lambda of its own is W_12. A
+// law of shape alone has W_12 <= 0 there, or leaves its pressure to the cell (s > 0).
+void check_volume(const std::string& name, bool complete, bool isotropic, const AtRest& c, double poisson) {
+  constexpr double rounding = 1e-6;
+  constexpr double poisson_as_written = 5e-4;  // a ratio given with three digits
+  const bool at_rest = isotropic && std::fabs(c.s_kPa) <= rounding * c.mu_kPa;
+  const double own = c.W12_kPa / (2 * (c.W12_kPa + c.mu_kPa));
+  if (complete && !at_rest)
+    throw InputError("", 0, "law " + name + " is said to be complete, and is not isotropic and free of stress at rest");
+  if (complete && !(std::fabs(own - poisson) <= poisson_as_written))
+    throw InputError("", 0,
+                     "law " + name + " holds its volume by itself, with a Poisson's ratio of " + text(own) +
+                         "; expected poisson = " + text(own) + ", not " + text(poisson));
+  if (!complete && at_rest && c.W12_kPa > rounding * c.mu_kPa)
+    throw InputError("", 0,
+                     "law " + name + " resists change of volume by itself (lambda " + text(c.W12_kPa) +
+                         " kPa), which the cell would add to; expected an entry that says it is complete, or an energy "
+                         "of shape alone");
+}
+
 LayerLaw skin_fibres(const LawCatalogue::Values& v) {
   const double a = v.number("fibre_angle_deg") * std::numbers::pi / 180, c = elementary::cos(a), s = elementary::sin(a);
   std::vector<FibreFamily> families{{{c, s, 0}}};
@@ -168,7 +199,9 @@ LayerResponse layer_response(const Material& m, const LawCatalogue* laws) {
   if (!(r.mu_kPa > 0) || !std::isfinite(r.mu_kPa))
     throw InputError("", 0,
                      "law " + e->name + " has no stiffness at rest; expected constants whose shear modulus is above 0");
-  if (!(r.lambda_kPa > 0))
+  check_volume(e->name, l.complete, is_isotropic(C), {r.mu_kPa, s, W12}, m.poisson);
+  if (l.complete) r.lambda_kPa = 0;
+  if (!(r.lambda_kPa > 0) && !l.complete)
     throw InputError("", 0,
                      "law " + e->name + " does not hold its volume with a Poisson's ratio of " + text(m.poisson) +
                          "; expected a larger one");

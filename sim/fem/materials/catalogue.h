@@ -14,7 +14,8 @@
 // the same for every law, the element's lambda is completed from the derivatives of the law at rest by principal
 // stretches, s = dW/ds_1, W_11 and W_12:   mu = (W_11 - W_12 + s) / 2,   lambda = 2 mu nu / (1 - 2 nu) + s - W_12
 // (the rest pressure s takes s (J - 1) off, whose second derivative is s; neo-Hookean: lambda_Lame + mu). Where fibres
-// lie in a matrix, nu is the matrix's.
+// lie in a matrix, nu is the matrix's. A law that holds its volume by itself says so (LayerLaw::complete): its cells
+// have lambda = 0, and the layer's `poisson` must be the law's own, s = 0 and nu = W_12 / (W_11 + W_12).
 #include <functional>
 #include <memory>
 #include <string>
@@ -30,6 +31,7 @@ struct LayerLaw {
   double matrix_mu_kPa = 0;  // mu/2 (|F|^2 - 3), integrated exactly and at no cost; 0: none
   LawPtr points;             // beside it, or all there is; null: none
   int points_per_part = 8;   // per layer and cell: 8, or 1 for fibres in a matrix that holds the cell's shape
+  bool complete = false;     // `points` resist change of volume by themselves: the cell has no lambda
 };
 
 class LawCatalogue {
@@ -85,7 +87,8 @@ struct LayerResponse {
   bool directed = false;  // not isotropic: the axes matter
 };
 
-/// `laws` null: the shipped ones. InputError names what is missing or out of range.
+/// `laws` null: the shipped ones. InputError names what is missing or out of range; also a law that resists change of
+/// volume and does not say that it is complete, or is complete with another Poisson's ratio than the layer's.
 LayerResponse layer_response(const Material& material, const LawCatalogue* laws = nullptr);
 
 /// n . sigma n at the rest state F = I of a layer whose prestretch and axes are M; n unit. What the element's p0

@@ -4,7 +4,8 @@
 // A law holds the part of the energy that resists change of shape. Change of volume is the element's own
 // (fem_model.h: lambda/2 (J - 1)^2 at one sample point per cell, with its multiplier), together with the
 // linear pressure term that makes the reference state free of stress. A law may also hold a volumetric
-// part itself (for comparison with codes that integrate everything fully); the cell then has lambda = 0.
+// part itself (for comparison with codes that integrate everything fully); its entry then says that it is complete
+// (catalogue.h) and the cell has lambda = 0.
 //
 // To add a material write one file:
 //   1. the energy: an isotropic one is a small struct with value
