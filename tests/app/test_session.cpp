@@ -671,6 +671,29 @@ TEST(RealTime, AHandThatWaitsLosesNoStepAndALiveOneIsTold) {
   }
 }
 
+// Replayed on a machine with time to spare, such a session tells what it was like when it was recorded.
+TEST(AsRecorded, WhatALiveHandHadToBearIsToldByItsReplay) {
+  const std::string file = temporary("slow.lcm");
+  SessionFigures then;
+  {
+    Rig rig(surgeon(), nullptr, false, true);
+    rig.patient.take_time(110'000'000);
+    Recorder recorder(*rig.channels, file, SessionInfo{}, {}, true);
+    SessionSettings set = quick();
+    set.settle_steps = 1, set.end_tick = 1500;
+    then = run_realtime(rig.lanes(&recorder), set, {});
+    ASSERT_FALSE(recorder.failed()) << recorder.error();
+  }
+  const Recording rec = read_recording(file);
+  std::filesystem::remove(file);
+  ASSERT_TRUE(rec.schedule.usable());
+  ASSERT_GT(then.solver.skipped, 50u);
+  const SessionFigures now = again(rec, rec.schedule);
+  const auto skipped = double(then.solver.skipped);
+  EXPECT_NEAR(double(now.solver.skipped), skipped, 0.1 * skipped) << "periods are counted from the ticks of its steps";
+  EXPECT_GT(double(now.device.age.percentile_ns(0.99)) * 1e-6, 75);
+}
+
 // The hand aimed at skin as it was shown; a long step has moved it since.
 TEST(SolverLane, AStitchIsNotPlacedOnSkinThatIsNotWhereItWasShown) {
   const auto stitch = [](double a_away_mm, double b_away_mm) {
