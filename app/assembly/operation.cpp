@@ -7,6 +7,7 @@
 #include "app/session/clock.h"
 #include "sim/base/error.h"
 #include "sim/commands/kinds.h"
+#include "sim/fem/solver/stall_watch.h"
 #include "sim/patient/soft_tissue.h"
 
 namespace limberg {
@@ -59,9 +60,12 @@ class Operation {
 
   void rest(double residual, int steps) {
     afresh_ = true;
+    fem::StallWatch watch;
     for (int i = 0; i < steps; ++i) {
       step(residual);
+      out.stalled = watch.look(out.last.residual, out.last.iterations) && out.last.residual > residual;
       if ((out.last.residual <= residual && patient_.settled()) || (set_.interrupted && set_.interrupted())) return;
+      if (out.stalled && patient_.settled()) return;
     }
   }
 

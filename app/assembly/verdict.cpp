@@ -170,7 +170,8 @@ std::vector<ResultVerdict> verdict_of(const VerdictOf& of) {
                       : "");
   if (of.pace) look_at_pace(lines, *of.pace);
   if (!(of.residual <= kAtRest))
-    lines.add("not at rest: relative residual", of.residual, "", kAtRest, "",
+    lines.add("not at rest: relative residual", of.residual, "", kAtRest,
+              of.stalled ? "the solver stalls: more iterations gain nothing" : "",
               of.cut_short ? light_names::warn : light_names::bad, "what is measured is not settled yet");
   lines.rest_of_lesson();
   worst_first(lines.all);

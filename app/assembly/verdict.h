@@ -34,6 +34,7 @@ struct VerdictOf {
   std::optional<BoneOutside> bone = {};  // nothing: no face over bones
   std::optional<Pace> pace = {};         // nothing: there was no hand
   double residual = 0;                   // relative, at the end
+  bool stalled = false;                  // more iterations gain nothing
   bool cut_short = false;                // somebody ended it before it came to rest: said, and no fault
 };
 

@@ -243,7 +243,7 @@ int run_operate(const OperateOptions& opt) {
     print_judgements(judged);
     VerdictOf look;
     look.metrics = &rows.back().key, look.body = body.get(), look.cell_mm = cells[i], look.judged = judged;
-    look.residual = o.last.residual;
+    look.residual = o.last.residual, look.stalled = o.stalled;
     verdict = verdict_of(look);
     fill_verdict(result, verdict);
     if (!opt.fields.empty()) write_fields(opt.fields, world);

@@ -48,6 +48,7 @@ struct StepReport {
   double distance_mm = 0;
   double energy_uJ = 0;
   bool converged = false;  // residual <= tolerance
+  bool stalled = false;    // given up before max_iterations: more of them gain nothing (stall_watch.h); not converged
   bool preconditioner_pending = false;
   bool metric_is_cycle = false;  // the multilevel cycle was used, not a factor of this very model
   int inverted_cells = 0;

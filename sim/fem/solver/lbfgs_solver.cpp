@@ -6,6 +6,7 @@
 #include "sim/base/error.h"
 #include "sim/base/union_find.h"
 #include "sim/fem/model/hanging_nodes.h"
+#include "sim/fem/solver/stall_watch.h"
 
 namespace limberg {
 
@@ -219,6 +220,7 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
   bool looked = true;  // the last evaluation was at u_
   NodeArray u_first;
   if (s.most_move_mm > 0) u_first = u_;
+  StallWatch watch;
   while (report.iterations < s.max_iterations) {
     if (s.tolerance > 0 && relative_residual() <= s.tolerance) {
       // A true equilibrium also survives fresh multipliers and a fresh force scale.
@@ -227,6 +229,10 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
       if (relative_residual() <= s.tolerance) break;
     } else if (since_update_ >= update_every && update()) {
       value = evaluate(u_, g_, false);
+    }
+    if (s.tolerance > 0 && watch.look(relative_residual(), 1)) {
+      report.stalled = true;
+      break;
     }
     history_.direction(g_, d_, metric, engine_);
     double slope = engine_.dot(g_, d_);
@@ -238,7 +244,10 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
     if (!(slope < 0)) break;  // no force left
     looked = search(value, slope) == Search::moved;
     if (!looked) {
-      if (history_.count() == 0) break;  // the floor of single precision
+      if (history_.count() == 0) {  // the floor of single precision
+        report.stalled = s.tolerance > 0;
+        break;
+      }
       history_.clear();
       continue;
     }
@@ -264,6 +273,7 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
   }
   report.energy_uJ = value.energy + elements_->energy_to_primal();
   report.converged = s.tolerance > 0 && report.residual <= s.tolerance;
+  report.stalled = report.stalled && !report.converged;
   report.preconditioner_pending = metric_.pending();
   report.metric_is_cycle = metric_.on_cycle();
   report.inverted_cells = elements_->inverted();

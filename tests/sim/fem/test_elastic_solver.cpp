@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "models.h"
+#include "sim/fem/solver/stall_watch.h"
 #include "sim/testing/reference_newton.h"
 
 namespace limberg {
@@ -69,6 +70,41 @@ TEST(ElasticSolver, PatchTest) {
   std::vector<float> J;
   solver->cell_J(J);
   for (float j : J) EXPECT_NEAR(j, 1, 1e-5);
+}
+
+// Single precision ends near 1e-6: a solver that is asked for more says that it stalls, long before its last iteration.
+TEST(ElasticSolver, AStallIsSaid) {
+  BoxSpec b;
+  b.cells = {6, 5, 4}, b.size_mm = {12, 10, 8}, b.poisson = 0.45;
+  const auto m = std::make_shared<FemModel>(box_model(b));
+  std::vector<Vec3f> u(m->X_mm.size(), Vec3f::Zero());
+  test::Random r(1);
+  for (size_t i = 0; i < u.size(); ++i)
+    if (!m->fixed[i]) u[i] = r.vector(0.4).cast<float>();
+  InlineWorkers w;
+  for (const double tolerance : {1e-4, 1e-12}) {
+    auto solver = make_solver(w);
+    solver->set_model(m, {});
+    solver->set_displacement_mm(u);
+    StepSettings s;
+    s.max_iterations = 20000, s.tolerance = tolerance;
+    const StepReport report = solver->step(s);
+    EXPECT_EQ(report.converged, tolerance > 1e-6);
+    EXPECT_EQ(report.stalled, tolerance < 1e-6);
+    EXPECT_LT(report.iterations, 2000);
+    EXPECT_LT(report.residual, 1e-4);
+  }
+}
+
+TEST(StallWatch, AsksForATenthOfTheResidual) {
+  fem::StallWatch watch;
+  EXPECT_FALSE(watch.look(1, 0));
+  EXPECT_FALSE(watch.look(0.95, fem::StallWatch::kIterations - 1)) << "less, and not by a tenth";
+  EXPECT_TRUE(watch.look(0.95, 1));
+  EXPECT_TRUE(watch.look(2, 20)) << "worse is no gain";
+  EXPECT_FALSE(watch.look(0.89, 20)) << "goes on";
+  double slow = 1;
+  for (int i = 0; i < 100; ++i) EXPECT_FALSE(watch.look(slow *= 0.79, fem::StallWatch::kIterations - 1));
 }
 
 // One cell pulled at its corners: axial stretch b, lateral stretch a with no lateral stress,

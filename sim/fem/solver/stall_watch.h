@@ -1,0 +1,27 @@
+#pragma once
+// Whether iterations still gain anything: a minimiser that stalls says so, instead of going on to its last iteration.
+#include <limits>
+
+namespace limberg::fem {
+
+class StallWatch {
+ public:
+  // So many iterations without a tenth off the least residual so far. The slowest convergence that leads anywhere:
+  // `bench stability` and `bench verification` (2026-11-24) come to rest with at most 250 between two tenths.
+  static constexpr int kIterations = 500;
+  static constexpr double kGain = 0.9;
+
+  /// After so many more iterations. True from the look on at which it stalls, until a residual is a tenth less.
+  bool look(double residual, int iterations) {
+    since_ += iterations;
+    if (residual < kGain * least_) least_ = residual, since_ = 0;
+    return since_ >= kIterations;
+  }
+  double least() const { return least_; }
+
+ private:
+  double least_ = std::numeric_limits<double>::infinity();
+  int since_ = 0;
+};
+
+}  // namespace limberg::fem
