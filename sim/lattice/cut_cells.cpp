@@ -238,7 +238,7 @@ std::vector<LayerPoint> CellCutter::points(const CellSamples& samples) const {
         out.push_back({layer, box_[b].volume_mm3(), box_[b].centre()});
       },
       [&](int layer, const Tet& t, double volume) {
-        points_of(t, volume, [&](const Vec3& x, double v) { out.push_back({layer, v, x}); });
+        out.push_back({layer, volume, 0.25 * (t.v[0].x + t.v[1].x + t.v[2].x + t.v[3].x)});
       });
   return out;
 }

@@ -35,7 +35,7 @@ class CellCutter {
   const Vec3& cell_mm() const { return cell_mm_; }
   /// Per layer.
   std::vector<CellMoments> moments(const CellSamples& samples) const;
-  /// The same as points: a whole box gives its middle.
+  /// The same as points: of a box or a piece of it its centroid.
   std::vector<LayerPoint> points(const CellSamples& samples) const;
 
  private:

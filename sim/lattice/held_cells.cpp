@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kBent = 0.15;   // of the shortest edge: a held surface that is no plane in the cell
 constexpr double kLeast = 0.02;  // of it: a free corner is at least so far above the held surface
-constexpr int kPlaces = 9;       // per axis, of which the best is the sample point
+constexpr int kPlaces = 5;       // per axis, of which the best is the sample point
 
 using Gradients = Eigen::Matrix<double, 8, 3>;
 
