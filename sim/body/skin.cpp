@@ -3,61 +3,24 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <tuple>
+#include <numeric>
 #include <utility>
 
-#include "sim/base/elementary.h"
 #include "sim/geometry/triangle.h"
 
 namespace limberg {
-namespace {
-
-Vec3 face_normal(const TriMesh& m, int32_t t) {
-  const Tri& c = m.tri[size_t(t)];
-  return area_vector2(m.X_mm[size_t(c[0])], m.X_mm[size_t(c[1])], m.X_mm[size_t(c[2])]).normalized();
-}
-
-}  // namespace
-
-Skin::Skin(std::shared_ptr<const Body> body)
-    : body_(std::move(body)), surface_(body_->surface.X_mm, body_->surface.tri) {
+Skin::Skin(std::shared_ptr<const Body> body) : body_(std::move(body)) {
   const TriMesh& m = body_->surface;
-  std::vector<int32_t> skin;
-  for (size_t t = 0; t < m.tri.size(); ++t)
-    if (m.tag.empty() || m.tag[t] == SurfaceTag::skin) skin.push_back(int32_t(t));
+  std::vector<int32_t> all(m.tri.size()), skin;
+  std::iota(all.begin(), all.end(), 0);
+  for (int32_t t : all)
+    if (m.tag.empty() || m.tag[size_t(t)] == SurfaceTag::skin) skin.push_back(t);
+  surface_ = SidedPatch(m, all);
   any_ = !skin.empty();
-  if (any_) skin_ = Bvh(m.X_mm, m.tri, skin);
-
-  corner_normal_.assign(m.X_mm.size(), Vec3::Zero());
-  edge_normal_.assign(m.tri.size(), {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()});
-  struct Side {
-    int32_t a, b, triangle;
-    int k;
-  };
-  std::vector<Side> sides;
-  sides.reserve(3 * skin.size());
+  if (any_) skin_ = SidedPatch(m, skin);
   for (int32_t t : skin) {
     const Tri& c = m.tri[size_t(t)];
-    const Vec3 n = face_normal(m, t);
     area_mm2_ += 0.5 * area_vector2(m.X_mm[size_t(c[0])], m.X_mm[size_t(c[1])], m.X_mm[size_t(c[2])]).norm();
-    for (int k = 0; k < 3; ++k) {
-      const int32_t v = c[size_t(k)], next = c[size_t((k + 1) % 3)], last = c[size_t((k + 2) % 3)];
-      const Vec3 e = m.X_mm[size_t(next)] - m.X_mm[size_t(v)], f = m.X_mm[size_t(last)] - m.X_mm[size_t(v)];
-      corner_normal_[size_t(v)] += elementary::atan2(e.cross(f).norm(), e.dot(f)) * n;
-      sides.push_back({std::min(v, next), std::max(v, next), t, k});
-    }
-  }
-  for (Vec3& n : corner_normal_)
-    if (n.squaredNorm() > 0) n.normalize();
-  std::sort(sides.begin(), sides.end(), [](const Side& p, const Side& q) {
-    return std::tie(p.a, p.b, p.triangle) < std::tie(q.a, q.b, q.triangle);
-  });
-  for (size_t i = 0; i < sides.size();) {
-    size_t j = i;
-    Vec3 sum = Vec3::Zero();
-    for (; j < sides.size() && sides[j].a == sides[i].a && sides[j].b == sides[i].b; ++j)
-      sum += face_normal(m, sides[j].triangle);
-    for (; i < j; ++i) edge_normal_[size_t(sides[i].triangle)][size_t(sides[i].k)] = sum;
   }
   for (const Vec3& X : m.X_mm) reach_mm_ = std::max(reach_mm_, (X - body_->chart_origin_mm).norm());
 }
@@ -68,7 +31,8 @@ std::optional<SkinHit> Skin::at(const ChartPoint& p) const {
   const Vec3 n = b.chart_normal();
   const Vec3 o = b.chart_origin_mm + p.x() * b.chart_e1 + p.y() * b.chart_e2 + (2 * reach_mm_ + 1) * n;
   std::array<Bvh::LineHit, 16> hits;
-  const int count = std::min<int>(surface_.line(o, -n, 0, std::numeric_limits<double>::max(), hits), int(hits.size()));
+  const int count =
+      std::min<int>(surface_.bvh().line(o, -n, 0, std::numeric_limits<double>::max(), hits), int(hits.size()));
   // Several triangles can share the outermost point (an edge, a corner): skin wins there.
   for (int i = 0; i < count && hits[size_t(i)].t <= hits[0].t + 1e-9; ++i) {
     const auto& h = hits[size_t(i)];
@@ -84,20 +48,8 @@ std::optional<SkinHit> Skin::at(const ChartPoint& p) const {
 
 SkinHit Skin::nearest(const Vec3& X) const {
   if (!any_) return {};
-  const auto c = skin_.closest(X);
+  const auto c = skin_.bvh().closest(X);
   return {c.point_mm, face_normal(body_->surface, c.triangle), c.triangle};
-}
-
-Vec3 Skin::side_normal(const Bvh::Closest& c) const {
-  const Tri& t = body_->surface.tri[size_t(c.triangle)];
-  const int zeros = int(c.bary[0] == 0) + int(c.bary[1] == 0) + int(c.bary[2] == 0);
-  if (zeros == 2)
-    for (size_t k = 0; k < 3; ++k)
-      if (c.bary[k] != 0) return corner_normal_[size_t(t[k])];
-  if (zeros == 1)
-    for (size_t k = 0; k < 3; ++k)
-      if (c.bary[k] == 0) return edge_normal_[size_t(c.triangle)][(k + 1) % 3];
-  return face_normal(body_->surface, c.triangle);
 }
 
 double Skin::depth_mm(const Vec3& X) const {
@@ -108,11 +60,26 @@ double Skin::depth_mm(const Vec3& X) const {
 
 double Skin::depth_mm(const Vec3& X, Bvh::Closest& near) const {
   if (!any_) return std::numeric_limits<double>::infinity();
-  // The last answer's point is skin too: nothing farther away can be nearest.
-  const double bound =
-      near.triangle >= 0 ? (X - near.point_mm).norm() * (1 + 1e-12) + 1e-12 : std::numeric_limits<double>::infinity();
-  near = skin_.closest(X, bound);
-  return (X - near.point_mm).dot(side_normal(near)) > 0 ? -near.distance_mm : near.distance_mm;
+  return skin_.depth_mm(X, near);
+}
+
+Skin::Place Skin::place(const Vec3& X, Near& near) const {
+  Place p;
+  p.inside_mm = surface_.depth_mm(X, near.surface);
+  const auto& tag = body_->surface.tag;
+  const Bvh::Closest* from = &near.surface;
+  if (!any_) {
+    p.depth_mm = std::numeric_limits<double>::infinity();
+    return p;
+  }
+  if (tag.empty() || tag[size_t(near.surface.triangle)] == SurfaceTag::skin) {
+    p.depth_mm = p.inside_mm;
+  } else {
+    p.depth_mm = p.inside_mm > 0 ? std::abs(skin_.depth_mm(X, near.skin)) : skin_.depth_of_plane_mm(X, near.skin);
+    from = &near.skin;
+  }
+  p.down = -(from == &near.surface ? surface_ : skin_).side_normal(*from).normalized();
+  return p;
 }
 
 int Skin::layer_at(double depth_mm) const {
@@ -128,10 +95,10 @@ int Skin::layer_at(double depth_mm) const {
 Skin::Frame Skin::frame(const Vec3& X) const {
   Frame f;
   if (any_) {
-    const auto c = skin_.closest(X);
+    const auto c = skin_.bvh().closest(X);
     const Tri& t = body_->surface.tri[size_t(c.triangle)];
     Vec3 n = Vec3::Zero();
-    for (size_t k = 0; k < 3; ++k) n += c.bary[k] * corner_normal_[size_t(t[k])];
+    for (size_t k = 0; k < 3; ++k) n += c.bary[k] * skin_.corner_normal(t[k]);
     f.normal = n.norm() > 1e-6 ? n.normalized() : face_normal(body_->surface, c.triangle);
   }
   // Where the tension lines stand upright on the skin, any direction in its plane is as good.

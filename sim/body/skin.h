@@ -6,13 +6,12 @@
 //   if (auto hit = skin.at({12, -3})) ...        // script point -> point of the rest surface
 //   int layer = skin.layer_at(skin.depth_mm(X)); // which tissue is at X
 //   Skin::Frame f = skin.frame(X);               // axes of the prestretch there
-#include <array>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "sim/body/body.h"
-#include "sim/geometry/bvh.h"
+#include "sim/geometry/sided_patch.h"
 
 namespace limberg {
 
@@ -34,6 +33,18 @@ class Skin {
   /// the last one (at first: empty): neighbours are found faster.
   double depth_mm(const Vec3& X_mm, Bvh::Closest& near) const;
 
+  /// Where a place near the body lies in it: its distance to the whole surface (negative outside) and its depth below
+  /// the skin. Inside the body that is the distance to the nearest skin; outside it goes on linearly, so that both can
+  /// be interpolated across the surface. Without skin the depth is infinite. `near`: the answers for the last place.
+  struct Near {
+    Bvh::Closest surface, skin;
+  };
+  struct Place {
+    double inside_mm = 0, depth_mm = 0;
+    Vec3 down = Vec3::Zero();  // unit: the way into the body from the skin that the depth is measured from
+  };
+  Place place(const Vec3& X_mm, Near& near) const;
+
   /// Index into Body::layers: 0 from the surface to its thickness (and outside), and so on; the last one has no end.
   int layer_at(double depth_mm) const;
 
@@ -45,18 +56,14 @@ class Skin {
   Frame frame(const Vec3& X_mm) const;
 
   const Body& body() const { return *body_; }
-  const Bvh& surface() const { return surface_; }  // of all triangles of the body
+  const Bvh& surface() const { return surface_.bvh(); }  // of all triangles of the body
   double area_mm2() const { return area_mm2_; }
 
  private:
-  Vec3 side_normal(const Bvh::Closest& c) const;
   std::shared_ptr<const Body> body_;
-  Bvh surface_, skin_;
+  SidedPatch surface_, skin_;
   bool any_ = false;
   double area_mm2_ = 0, reach_mm_ = 0;
-  std::vector<Vec3> corner_normal_;  // per vertex, from its skin triangles, angle-weighted, unit
-  std::vector<std::array<Vec3, 3>>
-      edge_normal_;  // per triangle: edge k from corner k to k + 1; sum of the skin faces there
 };
 
 }  // namespace limberg

@@ -26,10 +26,12 @@ class Assembly {
     out.level = uint8_t(place.level);
     out.stencil = table_.of_place(place);
     if (out.stencil < 0) throw Contradiction("material in a lattice cell for which there is no stencil");
-    out.scale = scale(copy.fraction, place.level);
+    out.scale = scale(copy.fraction, place.level, out.stencil);
     return out;
   }
-  float scale(double fraction, int level) const {
+  float scale(double fraction, int level, int32_t stencil) const {
+    const double whole = whole_mm3_ / double(1 << 3 * level), body = table_.body_mm3(stencil);
+    if (body != whole) return float(std::max(fraction, kLeastFraction) * whole / body);
     return fraction > counts_as_full(t_.front_levels > 0, level) ? 1.0f : float(std::max(fraction, kLeastFraction));
   }
   double mass_kg(const CellCopy& copy, const HexCell& cell) const {
@@ -107,7 +109,7 @@ void Assembly::changed(FemModel& model, const EarlierModel& before) const {
     HexCell now = before.model.cells[parent];
     if (copy.cell == before.topology.cells[parent].cell) {
       now.node = copy.node;
-      now.scale = scale(copy.fraction, now.level);
+      now.scale = scale(copy.fraction, now.level, now.stencil);
     } else {
       now = cell(copy);
     }

@@ -1,19 +1,19 @@
 #pragma once
 // From body and lattice to the elements of fem_model.h.
 //
-// A stencil holds what is constant in one kind of full cell: integrals over its layers, with the prestretch in the
-// frame of the skin. The material is constant in boxes, and in each box 2 x 2 x 2 Gauss points integrate products of
-// trilinear gradients exactly.
-//   Block (flat skin on top): the boxes are the layers themselves, cut by the cell, however thin they are; all cells of
-//   a row share one stencil. Other bodies: 4 x 4 x 4 boxes where a layer boundary may cross the cell (material by the
-//   depth of the box's middle, interpolated from the cell's corners), else one; frame at the cell's centre. Cells that
-//   lie wholly in one layer without prestretch share its stencil.
+// A stencil holds what is constant in one kind of cell: integrals over its layers, with the prestretch in the frame
+// of the skin, and nothing of what lies outside the body.
+//   Block (flat skin on top): boxes that are the layers themselves, cut by the cell, however thin they are, with 2 x 2
+//   x 2 Gauss points in each; all cells of a row share one stencil. Other bodies: where a layer's border or the skin
+//   may cross the cell, or its corners are held, each layer's moments in it (cut_cells.h, held_cells.h); else one box;
+//   frame at the cell's centre. Cells of one layer without prestretch share its stencil, cut by the surface or not.
 //
-// A cell copy takes its stencil times max(fraction, kLeastFraction); a fraction above 0.998 counts as 1,
-// so that the micrometres by which lattice planes lie outside a block do not load it. Masses
-// take the exact fraction. Parts of divided cells have stencils of their own size
-// (Stencil::level), made in the same way when they are first asked for; where planes must lie
-// further out so that cells can be divided (grid_fit.h), a little less than full counts as full.
+// A cell copy takes its stencil times its volume over that for which the stencil stands (body_mm3), the whole cell or
+// the body's part of it, with at least kLeastFraction of the cell; a fraction above 0.998 of a whole cell counts as 1,
+// so that the micrometres by which lattice planes lie outside a block do not load it. Copies of one cell have the same
+// mixture of layers, whatever was cut between them. Masses take the exact fraction. Parts of divided cells have
+// stencils of their own size (Stencil::level), made in the same way when they are first asked for; where planes must
+// lie further out so that cells can be divided (grid_fit.h), a little less than full counts as full.
 // FemModel::cells[i] is LatticeTopology::cells[i], FemModel node i is LatticeTopology::nodes[i].
 #include <array>
 #include <map>
@@ -26,6 +26,11 @@
 namespace limberg {
 
 struct LayerMatter;
+struct HeldCorners;
+class CellCutter;
+/// A cell is looked at on the corners of kSplit^3 boxes, x fastest (cut_cells.h).
+inline constexpr int kSplit = 4, kSamples = (kSplit + 1) * (kSplit + 1) * (kSplit + 1);
+using CellSamples = std::array<Skin::Place, kSamples>;
 
 /// For conditioning: a sliver's nodes stay solvable in float. Tissue of less than this share of a cell is not told from
 /// none.
@@ -44,6 +49,9 @@ class StencilTable {
   /// The same for a cell of any level; may add to stencils(), so one thread at a time.
   int32_t of_place(const CellPlace& place) const;
 
+  /// The volume of tissue that a stencil stands for: the body's in a cell that it does not fill, else the cell's.
+  double body_mm3(int32_t stencil) const { return body_mm3_[size_t(stencil)]; }
+
   /// Where a lattice node, or a corner of a part, may be held; in eighths
   /// of a cell. Block: bit 2 axis + (0 low, 1 high) per outermost plane
   /// whose side is fixed. Other bodies, when the surface triangle nearest
@@ -53,15 +61,24 @@ class StencilTable {
 
  private:
   void fill_block(const Body& body, const LatticeGrid& grid);
+  class Sampler;
   void fill_general(const Skin& skin, const LatticeGrid& grid);
-  int32_t intern(const Stencil& s) const;
+  void find_held(const Skin& skin, const LatticeGrid& grid);
+  HeldCorners held_corners(Int3 cell);
+  std::pair<Stencil, double> cut_cell(const CellCutter& cutter, const CellSamples& samples, const HeldCorners& held,
+                                      const Vec3& centre_mm, double depth_mm) const;
+  int32_t add(const Stencil& s, double body_mm3) const;
+  int32_t intern(const Stencil& s, double body_mm3) const;
   Stencil block_row(const LatticeGrid& grid, int32_t z) const;
-  Stencil general_part(const LatticeGrid& grid, Int3 at) const;
+  int32_t general_part(const LatticeGrid& grid, Int3 at, int level) const;
   std::vector<LayerMatter> matter_;  // per layer
   std::vector<LawPtr> laws_;
   mutable SharedArray<Stencil> stencils_;
+  mutable std::vector<double> body_mm3_;  // per stencil
   std::vector<int32_t> of_cell_;
   std::vector<uint8_t> fixed_;
+  SidedPatch held_surface_;         // of a body that is no block; empty: nothing holds it
+  std::vector<double> held_depth_;  // per node: how far above it; NaN: not asked for yet
   // For parts of cells.
   const Skin* skin_;
   LatticeGrid grid_;

@@ -40,6 +40,12 @@ Weighted weigh(const std::vector<LayerPart>& parts, const Vec3& direction, const
   return w;
 }
 
+// Symmetric, rows of sum zero: what rounding has changed.
+void keep_rows(Stencil& s) {
+  s.K = (0.5 * (s.K + s.K.transpose())).eval();
+  for (int i = 0; i < 8; ++i) s.K(i, i) -= s.K.row(i).sum();
+}
+
 }  // namespace
 
 double bending_over_mu(double nu) { return 1.5 * (1 + nu) + 0.5 / (1 - nu); }
@@ -65,7 +71,8 @@ LayerMoments box_moments(const Vec3& h, const Vec3& lo, const Vec3& hi) {
   return m;
 }
 
-void share_cell(Stencil& s, const Vec3& cell_mm, const std::vector<LayerPart>& parts, const StretchFrame& frame) {
+void share_cell(Stencil& s, const Vec3& cell_mm, const std::vector<LayerPart>& parts, const StretchFrame& frame,
+                bool cut) {
   Mat3 axes;
   axes << frame.along, frame.across, frame.normal;
   double mean = 0, compliance = 0, plate = 0, shape = 0;
@@ -77,12 +84,14 @@ void share_cell(Stencil& s, const Vec3& cell_mm, const std::vector<LayerPart>& p
     mean += share * mu * n * n, compliance += share / (mu * n * n);
     plate += share * mu * bending_over_mu(m.poisson), shape += share * mu;
   }
-  const double slide = kSlide * (mean - 1 / compliance);
-  if (parts.size() < 2 || slide < 1e-6 * mean || !(s.p0_kPa > 0)) return;
+  double slide = kSlide * (mean - 1 / compliance);
+  const bool shared = parts.size() > 1 && slide >= 1e-6 * mean;
+  if (!(shared || cut) || !(s.p0_kPa > 0)) return;
+  if (!shared) slide = 0;
 
   s.slide_kPa = slide;
-  s.slide_axes = axes;
-  const double bulk = fem::effective_bulk_kPa(s, true), r = bulk / (s.p0_kPa + bulk);
+  if (shared) s.slide_axes = axes;
+  const double bulk = shared ? fem::effective_bulk_kPa(s, true) : 0, r = bulk / (s.p0_kPa + bulk);
   const double off = frame.normal.dot((s.sample - Vec3::Constant(0.5)).cwiseProduct(cell_mm));
   for (int a = 0; a < 2; ++a) {
     const Weighted w = weigh(parts, axes.col(a), axes, a);
@@ -93,11 +102,11 @@ void share_cell(Stencil& s, const Vec3& cell_mm, const std::vector<LayerPart>& p
   const Weighted w = weigh(parts, frame.normal, axes, 2);
   const Eigen::Matrix<double, 8, 2> along = w.gx.leftCols<2>();
   s.K -= along * w.xx.topLeftCorner<2, 2>().inverse() * along.transpose();
+  if (!shared) return keep_rows(s);
   Stencil flat;  // the centre of a cell of this size, where what slides is measured
   const Vec8 b = trilinear_gradients(flat, Vec3::Constant(0.5), cell_mm) * frame.normal;
   s.K += s.volume_mm3 * (mean - slide) * b * b.transpose() - w.g * w.g.transpose() / w.M;
-  s.K = (0.5 * (s.K + s.K.transpose())).eval();
-  for (int i = 0; i < 8; ++i) s.K(i, i) -= s.K.row(i).sum();
+  keep_rows(s);
 }
 
 }  // namespace limberg

@@ -26,8 +26,9 @@
 // The quarter and the 3 % were chosen on the cases of `bench laws` (2026-11-21); the rest has no number in it.
 // All of it vanishes for a homogeneous gradient: rest, rigid motions and even stretch are as before.
 //
-// Only cells with two or more layers that differ, all of them
-// with a matrix modulus (laws of points hold their own shape).
+// Only cells with two or more layers that differ, all of them with a matrix modulus (laws of points hold their own
+// shape). A cell that the body does not fill has the bending, if only one layer is in it: without that a sheet of a
+// thickness t in a cell of edge h would be (h / t)^2 times as stiff as the shear x of its parts makes a cube of it.
 #include <array>
 #include <vector>
 
@@ -55,7 +56,9 @@ struct LayerPart {
   const LayerMatter* matter = nullptr;
   LayerMoments moments;
 };
-/// After finish_stencil.
-void share_cell(Stencil& s, const Vec3& cell_mm, const std::vector<LayerPart>& parts, const StretchFrame& frame);
+/// After finish_stencil. `cut`: the body does not fill the cell; then one layer, too, bends as a plate of its own
+/// thickness.
+void share_cell(Stencil& s, const Vec3& cell_mm, const std::vector<LayerPart>& parts, const StretchFrame& frame,
+                bool cut = false);
 
 }  // namespace limberg

@@ -1,5 +1,5 @@
 #pragma once
-// Integrals over boxes inside a cell: what stencils are summed from.
+// Integrals over parts of a cell: what stencils are summed from.
 //
 // A layer's part of a cell gives its matrix to K, exactly, and its law to material points: one at the centroid, or
 // eight that have the volume, the centroid and the second moments of the part (of a box: its 2 x 2 x 2 Gauss points).
@@ -23,6 +23,17 @@ struct LayerMatter {
 /// Per layer; `laws` gets what they name. InputError as layer_response, with the layer's name.
 std::vector<LayerMatter> layer_matter(const Body& body, std::vector<LawPtr>& laws);
 
+/// Integrals (mm^3) over a part of a cell of x^i y^j z^k, 0 <= i, j, k <= 2, at 9 k + 3 j + i; x, y, z in cell units.
+/// Products of gradients of trilinear functions are such polynomials.
+struct CellMoments {
+  std::array<double, 27> of{};
+  double volume_mm3() const { return of[0]; }
+  Vec3 centre() const { return Vec3(of[1], of[3], of[9]) / of[0]; }  // cell units
+  Mat3 second() const;                                               // about the centre, per volume, cell units
+  void add(const CellMoments& o, double factor = 1);
+  void add_point(const Vec3& at, double volume_mm3);
+};
+
 /// Adds the box [lo, hi] (in cell units, 0..1 per axis) of one material to a stencil whose means are still sums.
 void add_box(Stencil& s, const Vec3& cell_mm, const Vec3& lo, const Vec3& hi, const LayerMatter& m,
              const StretchFrame& frame);
@@ -30,15 +41,8 @@ void add_box(Stencil& s, const Vec3& cell_mm, const Vec3& lo, const Vec3& hi, co
 /// Sums to means; rows of K to exact zero sums (rounding goes to the diagonal).
 void finish_stencil(Stencil& s);
 
-/// Integrals of products of gradients over each of kSplit^3 boxes of a cell, so that a cell of several layers is a sum
-/// of tables: [box][xx, yy, zz, xy, yz, zx], the mixed ones symmetrised.
-inline constexpr int kSplit = 4;
-using GradientTable = std::array<Mat8, 6>;
-std::vector<GradientTable> gradient_tables(const Vec3& cell_mm);
-
-/// The unfinished stencil of a cell whose box b (x fastest) is of layer layer_of_box[b].
-Stencil layered_stencil(const Vec3& cell_mm, const std::vector<GradientTable>& tables,
-                        const std::vector<LayerMatter>& layers,
-                        const std::array<int, kSplit * kSplit * kSplit>& layer_of_box, const StretchFrame& frame);
+/// The same for a part of the cell of any shape, from its moments.
+void add_moments(Stencil& s, const Vec3& cell_mm, const CellMoments& of, const LayerMatter& m,
+                 const StretchFrame& frame);
 
 }  // namespace limberg

@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <tuple>
 
 #include "sim/base/error.h"
-#include "sim/lattice/shared_cells.h"
-#include "sim/lattice/stencil_integrals.h"
+#include "sim/lattice/held_cells.h"
 
 namespace limberg {
 namespace {
@@ -72,40 +72,37 @@ std::vector<uint8_t> cells_of_body(const Bvh& surface, const LatticeGrid& grid) 
   return used;
 }
 
-using BoxLayers = std::array<int, kSplit * kSplit * kSplit>;
+// Beside the exact integrals a cell that the body does not fill keeps a share of its K with the same matter spread
+// over the whole cell: for an even gradient that is the same, and nodes far from the matter stay solvable in float.
+// More of it makes skin bend too stiffly; slivers, whose own bending is nothing, take more. (A shell of 21,000 nodes
+// with kSpread alone stops .12 mm from equilibrium at the residual of 1e-5; so .009 mm.)
+constexpr double kSpread = 0.01, kSpreadOfSlivers = 6e-4, kMostSpread = 0.5;
+double spread_of(double fraction) {
+  if (fraction >= 1 - 1e-6) return 0;
+  return std::min(kMostSpread, std::max(kSpread, kSpreadOfSlivers / (fraction * fraction)));
+}
+// A cell of which the body takes less (by its samples) is taken as one of one layer.
+constexpr double kSliver = 1e-3;
 
-// The layer of each of the boxes that a cell is summed from, by the depths of its corners.
-BoxLayers boxes_of_layers(const Skin& skin, const double corner[8]) {
-  BoxLayers layer;
-  for (int b = 0; b < int(layer.size()); ++b) {
-    const Vec3 x = (Vec3(b % kSplit, b / kSplit % kSplit, b / (kSplit * kSplit)) + Vec3::Constant(0.5)) / kSplit;
-    double d = 0;
-    for (int k = 0; k < 8; ++k)
-      d += corner[k] * (k & 1 ? x[0] : 1 - x[0]) * (k & 2 ? x[1] : 1 - x[1]) * (k & 4 ? x[2] : 1 - x[2]);
-    layer[size_t(b)] = skin.layer_at(d);
-  }
-  return layer;
+std::vector<double> layer_ends(const Body& body) {
+  std::vector<double> end;
+  for (size_t l = 0; l + 1 < body.layers.size(); ++l) end.push_back((l ? end[l - 1] : 0) + body.layers[l].thickness_mm);
+  return end;
 }
 
-std::vector<LayerMoments> moments_of_boxes(const Vec3& cell_mm) {
-  std::vector<LayerMoments> out;
-  for (int b = 0; b < kSplit * kSplit * kSplit; ++b) {
-    const Vec3 at(b % kSplit, b / kSplit % kSplit, b / (kSplit * kSplit));
-    out.push_back(box_moments(cell_mm, at / kSplit, (at + Vec3::Ones()) / kSplit));
+// Samples of a cell of one layer that only the held surface cuts: from the distances of its corners.
+CellSamples above_held(const HeldCorners& held, const Skin::Place& place) {
+  CellSamples out;
+  for (int n = 0; n < kSamples; ++n) {
+    const int i = n % (kSplit + 1), j = n / (kSplit + 1) % (kSplit + 1), k = n / ((kSplit + 1) * (kSplit + 1));
+    const Vec3 at = Vec3(i, j, k) / kSplit;
+    double d = 0;
+    for (size_t c = 0; c < 8; ++c)
+      d += held.depth_mm[c] * (c & 1 ? at[0] : 1 - at[0]) * (c & 2 ? at[1] : 1 - at[1]) * (c & 4 ? at[2] : 1 - at[2]);
+    out[size_t(n)] = place;
+    out[size_t(n)].inside_mm = d;
   }
   return out;
-}
-
-std::vector<LayerPart> parts_of(const std::vector<LayerMoments>& boxes, const BoxLayers& layer,
-                                const std::vector<LayerMatter>& matter) {
-  std::vector<LayerPart> parts;
-  for (size_t l = 0; l < matter.size(); ++l) {
-    LayerPart part{&matter[l], {}};
-    for (size_t b = 0; b < boxes.size(); ++b)
-      if (layer[b] == int(l)) part.moments.add(boxes[b]);
-    if (part.moments.volume_mm3 > 0) parts.push_back(part);
-  }
-  return parts;
 }
 
 }  // namespace
@@ -125,12 +122,56 @@ StencilTable::StencilTable(const Skin& skin, const LatticeGrid& grid) {
     fill_general(skin, grid);
 }
 
-int32_t StencilTable::intern(const Stencil& s) const {
+// Samples of neighbouring cells are shared: a layer of cells keeps its upper plane for the next.
+class StencilTable::Sampler {
+ public:
+  Sampler(const Skin& skin, const LatticeGrid& grid)
+      : skin_(skin), grid_(grid), nx_(kSplit * grid.count.x + 1), ny_(kSplit * grid.count.y + 1) {}
+  /// Of a cell; z must not fall.
+  const CellSamples& of(Int3 cell) {
+    if (plane_.empty()) plane_.assign(kSplit + 1, std::vector<Skin::Place>(size_t(nx_) * size_t(ny_), kUnknown));
+    for (; z_ < cell.z; ++z_) next_layer();
+    const Vec3 low = grid_.node_mm(cell), step = grid_.cell_mm() / kSplit;
+    for (int k = 0, n = 0; k <= kSplit; ++k)
+      for (int j = 0; j <= kSplit; ++j)
+        for (int i = 0; i <= kSplit; ++i, ++n) {
+          const size_t at = size_t(kSplit * cell.y + j) * size_t(nx_) + size_t(kSplit * cell.x + i);
+          Skin::Place& p = plane_[size_t(k)][at];
+          if (std::isnan(p.inside_mm)) {
+            p = skin_.place(low + step.cwiseProduct(Vec3(i, j, k)), near_);
+            known_[size_t(k)].push_back(at);
+          }
+          out_[size_t(n)] = p;
+        }
+    return out_;
+  }
+
+ private:
+  const Skin::Place kUnknown{NAN, NAN, Vec3::Zero()};
+  void next_layer() {
+    for (size_t k = 0; k < kSplit; ++k) {
+      for (size_t at : known_[k]) plane_[k][at] = kUnknown;
+      known_[k].clear();
+    }
+    std::swap(plane_[0], plane_[kSplit]);
+    std::swap(known_[0], known_[kSplit]);
+  }
+  const Skin& skin_;
+  LatticeGrid grid_;
+  int32_t nx_, ny_, z_ = 0;
+  std::vector<std::vector<Skin::Place>> plane_;
+  std::array<std::vector<size_t>, kSplit + 1> known_;
+  CellSamples out_;
+  Skin::Near near_;
+};
+
+int32_t StencilTable::intern(const Stencil& s, double body_mm3) const {
   for (size_t i = 0; i < stencils_.size(); ++i) {
     const Stencil& o = stencils_[i];
-    if (o.K == s.K && o.volume_mm3 == s.volume_mm3 && o.mu_kPa == s.mu_kPa && o.lambda_kPa == s.lambda_kPa &&
-        o.p0_kPa == s.p0_kPa && o.sample == s.sample && o.density_kg_mm3 == s.density_kg_mm3 && o.level == s.level &&
-        o.slide_kPa == s.slide_kPa && o.slide_axes == s.slide_axes &&
+    if (body_mm3_[i] == body_mm3 && o.K == s.K && o.volume_mm3 == s.volume_mm3 && o.mu_kPa == s.mu_kPa &&
+        o.lambda_kPa == s.lambda_kPa && o.p0_kPa == s.p0_kPa && o.sample == s.sample &&
+        o.density_kg_mm3 == s.density_kg_mm3 && o.level == s.level && o.slide_kPa == s.slide_kPa &&
+        o.slide_axes == s.slide_axes && o.rest_mN == s.rest_mN &&
         std::equal(o.points.begin(), o.points.end(), s.points.begin(), s.points.end(),
                    [](const MaterialPoint& p, const MaterialPoint& q) {
                      return p.at == q.at && p.volume_mm3 == q.volume_mm3 && p.law == q.law && p.M == q.M;
@@ -141,8 +182,7 @@ int32_t StencilTable::intern(const Stencil& s) const {
                    }))
       return int32_t(i);
   }
-  stencils_.push_back(s);
-  return int32_t(stencils_.size()) - 1;
+  return add(s, body_mm3);
 }
 
 // Row z of a grid over a block.
@@ -181,7 +221,7 @@ Stencil StencilTable::block_row(const LatticeGrid& grid, int32_t k) const {
 
 void StencilTable::fill_block(const Body& body, const LatticeGrid& grid) {
   std::vector<int32_t> of_row;
-  for (int32_t k = 0; k < grid.count.z; ++k) of_row.push_back(intern(block_row(grid, k)));
+  for (int32_t k = 0; k < grid.count.z; ++k) of_row.push_back(intern(block_row(grid, k), grid.cell_mm().prod()));
   for (size_t c = 0; c < of_cell_.size(); ++c) of_cell_[c] = of_row[size_t(grid.cell_at(int32_t(c)).z)];
 
   // Sides of the box that are fixed, and the planes that stand for them.
@@ -207,88 +247,158 @@ void StencilTable::fill_block(const Body& body, const LatticeGrid& grid) {
   }
 }
 
+// The stencil of a cell that the surface or a layer's border crosses, and the body's volume in it.
+std::pair<Stencil, double> StencilTable::cut_cell(const CellCutter& cutter, const CellSamples& samples,
+                                                  const HeldCorners& held, const Vec3& centre, double depth) const {
+  const Vec3 h = cutter.cell_mm();
+  const Skin::Frame f = skin_->frame(centre);
+  const StretchFrame frame{f.along, f.across, f.normal};
+  std::vector<CellMoments> moments = cutter.moments(samples);
+  double volume = 0;
+  for (const CellMoments& m : moments) volume += m.volume_mm3();
+  const double whole = h.prod();
+  Stencil s;
+  if (volume < kSliver * whole) {
+    add_box(s, h, Vec3::Zero(), Vec3::Ones(), matter_[size_t(skin_->layer_at(std::max(depth, 0.0)))], frame);
+    finish_stencil(s);
+    return {s, whole};
+  }
+  const double spread = spread_of(volume / whole);
+  const CellMoments box = box_cell_moments(h, Vec3::Zero(), Vec3::Ones());
+  std::vector<LayerPart> parts;
+  for (size_t l = 0; l < moments.size(); ++l) {
+    const double V = moments[l].volume_mm3();
+    if (!(V > 1e-9 * volume)) continue;
+    CellMoments m = box;
+    for (double& x : m.of) x *= spread * V / whole;
+    m.add(moments[l], 1 - spread);
+    add_moments(s, h, m, matter_[l], frame);
+    parts.push_back({&matter_[l], layer_moments(h, m)});
+  }
+  finish_stencil(s);
+  if (!held.held || !hold_at_surface(s, h, held, cutter.points(samples), matter_, frame, spread))
+    share_cell(s, h, parts, frame, spread > 0);
+  return {s, volume};
+}
+
+int32_t StencilTable::add(const Stencil& s, double volume_mm3) const {
+  stencils_.push_back(s);
+  body_mm3_.push_back(volume_mm3);
+  return int32_t(stencils_.size()) - 1;
+}
+
 void StencilTable::fill_general(const Skin& skin, const LatticeGrid& grid) {
-  const Body& body = skin.body();
   const Vec3 h = grid.cell_mm();
-  const double reach = 0.5 * h.norm();
+  const double reach = 0.5 * h.norm(), whole_mm3 = h.prod();
   const std::vector<uint8_t> used = cells_of_body(skin.surface(), grid);
-  const std::vector<GradientTable> tables = gradient_tables(h);
-  const std::vector<LayerMoments> moments = moments_of_boxes(h);
-  std::vector<double> node_depth(fixed_.size(), NAN);  // asked for when a layer boundary may be near
-  std::vector<int32_t> whole(body.layers.size(), -1);  // stencil of a full cell of a layer without prestretch
+  find_held(skin, grid);
+  const CellCutter cutter(h, layer_ends(skin.body()));
+  Sampler sampler(skin, grid);
+  std::vector<int32_t> whole(skin.body().layers.size(), -1);  // stencil of a full cell of a layer without prestretch
+  Skin::Near near;
   for (size_t c = 0; c < of_cell_.size(); ++c) {
     of_cell_[c] = -1;
     if (!used[c]) continue;
-    const Vec3 low = grid.node_mm(grid.cell_at(int32_t(c))), centre = low + 0.5 * h;
-    const double depth = skin.depth_mm(centre);
-    const int upper = skin.layer_at(depth - reach), lower = skin.layer_at(depth + reach);  // depth is 1-Lipschitz
+    const Int3 at = grid.cell_at(int32_t(c));
+    const Vec3 centre = grid.node_mm(at) + 0.5 * h;
+    const Skin::Place place = skin.place(centre, near);
+    // Both are 1-Lipschitz in the body.
+    const int upper = skin.layer_at(place.depth_mm - reach), lower = skin.layer_at(place.depth_mm + reach);
     bool stretched = false;
     for (int l = upper; l <= lower; ++l) stretched = stretched || matter_[size_t(l)].directed();
-    if (upper == lower && !stretched && whole[size_t(upper)] >= 0) {
-      of_cell_[c] = whole[size_t(upper)];
-      continue;
-    }
-    StretchFrame frame;
-    if (stretched || upper != lower) {
-      const Skin::Frame f = skin.frame(centre);
-      frame = {f.along, f.across, f.normal};
-    }
-    Stencil s;
-    std::vector<LayerPart> parts;
-    if (upper == lower) {
-      add_box(s, h, Vec3::Zero(), Vec3::Ones(), matter_[size_t(upper)], frame);
-    } else {
-      const Int3 at = grid.cell_at(int32_t(c));
-      double corner[8];
-      for (int k = 0; k < 8; ++k) {
-        double& d = node_depth[size_t(grid.node_index({at.x + (k & 1), at.y + (k >> 1 & 1), at.z + (k >> 2 & 1)}))];
-        if (std::isnan(d)) d = skin.depth_mm(low + h.cwiseProduct(Vec3(k & 1, k >> 1 & 1, k >> 2 & 1)));
-        corner[k] = d;
+    const HeldCorners held = held_corners(at);
+    const bool cut = place.inside_mm < reach;
+    if (upper == lower && !stretched && !held.held) {
+      int32_t& one = whole[size_t(upper)];
+      if (one < 0) {
+        Stencil s;
+        add_box(s, h, Vec3::Zero(), Vec3::Ones(), matter_[size_t(upper)], {});
+        finish_stencil(s);
+        one = add(s, whole_mm3);
       }
-      const BoxLayers layer = boxes_of_layers(skin, corner);
-      s = layered_stencil(h, tables, matter_, layer, frame);
-      parts = parts_of(moments, layer, matter_);
+      of_cell_[c] = one;
+    } else if (upper == lower && !cut) {
+      Stencil s;
+      const Skin::Frame f = skin.frame(centre);
+      add_box(s, h, Vec3::Zero(), Vec3::Ones(), matter_[size_t(upper)], {f.along, f.across, f.normal});
+      finish_stencil(s);
+      of_cell_[c] = add(s, whole_mm3);
+    } else {
+      const bool skin_is_near = upper != lower || std::abs(place.depth_mm) < reach;
+      const auto [s, volume] =
+          cut_cell(cutter, skin_is_near ? sampler.of(at) : above_held(held, place), held, centre, place.depth_mm);
+      of_cell_[c] = add(s, volume);
     }
-    finish_stencil(s);
-    share_cell(s, h, parts, frame);
-    of_cell_[c] = int32_t(stencils_.size());
-    if (upper == lower && !stretched) whole[size_t(upper)] = of_cell_[c];
-    stencils_.push_back(s);
-  }
-  const double near = 0.1 * h.minCoeff(), far = 2 * h.norm();
-  for (size_t n = 0; n < fixed_.size(); ++n) {
-    const Bvh::Closest hit = skin.surface().closest(grid.node_mm(grid.node_at(int32_t(n))), far);
-    if (hit.triangle < 0 || body.surface.tag[size_t(hit.triangle)] != SurfaceTag::fixed) continue;
-    fixed_[n] = hit.distance_mm <= near ? kNearFixed : kFarFixed;
   }
 }
 
+// Which nodes are held, and how far those around them are from the surface that holds.
+void StencilTable::find_held(const Skin& skin, const LatticeGrid& grid) {
+  const TriMesh& surface = skin.body().surface;
+  std::vector<int32_t> fixed;
+  for (size_t t = 0; t < surface.tri.size(); ++t)
+    if (!surface.tag.empty() && surface.tag[t] == SurfaceTag::fixed) fixed.push_back(int32_t(t));
+  if (fixed.empty()) return;
+  held_surface_ = SidedPatch(surface, fixed);
+  const Vec3 h = grid.cell_mm();
+  const double near = 0.1 * h.minCoeff(), far = 2 * h.norm();
+  for (size_t n = 0; n < fixed_.size(); ++n) {
+    const Bvh::Closest hit = skin.surface().closest(grid.node_mm(grid.node_at(int32_t(n))), far);
+    if (hit.triangle < 0 || surface.tag[size_t(hit.triangle)] != SurfaceTag::fixed) continue;
+    fixed_[n] = hit.distance_mm <= near ? kNearFixed : kFarFixed;
+  }
+  held_depth_.assign(fixed_.size(), NAN);
+}
+
+HeldCorners StencilTable::held_corners(Int3 cell) {
+  HeldCorners c;
+  if (held_surface_.empty()) return c;
+  std::array<size_t, 8> node{};
+  uint8_t may = 0;
+  for (size_t k = 0; k < 8; ++k) {
+    node[k] = size_t(grid_.node_index({cell.x + int(k & 1), cell.y + int(k >> 1 & 1), cell.z + int(k >> 2 & 1)}));
+    may |= fixed_[node[k]];
+  }
+  if (!may) return c;
+  for (size_t k = 0; k < 8; ++k) {
+    double& d = held_depth_[node[k]];
+    Bvh::Closest near;
+    if (std::isnan(d)) d = held_surface_.depth_mm(grid_.node_mm(grid_.node_at(int32_t(node[k]))), near);
+    c.depth_mm[k] = d;
+    if (fixed_[node[k]] == kNearFixed || (fixed_[node[k]] == kFarFixed && d <= 0)) c.held |= uint8_t(1u << k);
+  }
+  return c;
+}
+
 // As the loop of fill_general, for one part of a cell.
-Stencil StencilTable::general_part(const LatticeGrid& grid, Int3 at) const {
+int32_t StencilTable::general_part(const LatticeGrid& grid, Int3 at, int level) const {
   const Vec3 h = grid.cell_mm(), low = grid.node_mm(at), centre = low + 0.5 * h;
-  const double depth = skin_->depth_mm(centre), reach = 0.5 * h.norm();
-  const int upper = skin_->layer_at(depth - reach), lower = skin_->layer_at(depth + reach);
-  StretchFrame frame;
-  for (int l = upper; l <= lower; ++l) {
-    if (upper == lower && !matter_[size_t(l)].directed()) continue;
-    const Skin::Frame f = skin_->frame(centre);
-    frame = {f.along, f.across, f.normal};
-    break;
-  }
+  const double reach = 0.5 * h.norm();
+  Skin::Near near;
+  const Skin::Place place = skin_->place(centre, near);
+  const int upper = skin_->layer_at(place.depth_mm - reach), lower = skin_->layer_at(place.depth_mm + reach);
+  const bool stretched = upper != lower || matter_[size_t(upper)].directed();
   Stencil s;
-  std::vector<LayerPart> parts;
-  if (upper == lower) {
+  double volume = h.prod();
+  if (upper == lower && (!stretched || !(place.inside_mm < reach))) {
+    StretchFrame frame;
+    if (stretched) {
+      const Skin::Frame f = skin_->frame(centre);
+      frame = {f.along, f.across, f.normal};
+    }
     add_box(s, h, Vec3::Zero(), Vec3::Ones(), matter_[size_t(upper)], frame);
+    finish_stencil(s);
   } else {
-    double corner[8];
-    for (int k = 0; k < 8; ++k) corner[k] = skin_->depth_mm(low + h.cwiseProduct(Vec3(k & 1, k >> 1 & 1, k >> 2 & 1)));
-    const BoxLayers layer = boxes_of_layers(*skin_, corner);
-    s = layered_stencil(h, gradient_tables(h), matter_, layer, frame);
-    parts = parts_of(moments_of_boxes(h), layer, matter_);
+    CellSamples samples;
+    for (size_t n = 0; n < samples.size(); ++n) {
+      const int i = int(n) % (kSplit + 1), j = int(n) / (kSplit + 1) % (kSplit + 1),
+                k = int(n) / ((kSplit + 1) * (kSplit + 1));
+      samples[n] = skin_->place(low + h.cwiseProduct(Vec3(i, j, k)) / kSplit, near);
+    }
+    std::tie(s, volume) = cut_cell(CellCutter(h, layer_ends(skin_->body())), samples, {}, centre, place.depth_mm);
   }
-  finish_stencil(s);
-  share_cell(s, h, parts, frame);
-  return s;
+  s.level = uint8_t(level);
+  return intern(s, volume);
 }
 
 int32_t StencilTable::of_place(const CellPlace& place) const {
@@ -297,9 +407,13 @@ int32_t StencilTable::of_place(const CellPlace& place) const {
   const auto [it, is_new] = of_part_.try_emplace(key, -1);
   if (is_new) {
     const LatticeGrid grid = grid_.at_level(place.level);
-    Stencil s = is_block_ ? block_row(grid, place.at.z) : general_part(grid, place.at);
-    s.level = uint8_t(place.level);
-    it->second = intern(s);
+    if (is_block_) {
+      Stencil s = block_row(grid, place.at.z);
+      s.level = uint8_t(place.level);
+      it->second = intern(s, grid.cell_mm().prod());
+    } else {
+      it->second = general_part(grid, place.at, place.level);
+    }
   }
   return it->second;
 }

@@ -7,8 +7,6 @@
 namespace limberg {
 namespace {
 
-constexpr int kPairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}};
-
 // Gradients of the eight corner functions at x (in cell units, 0..1 per axis).
 Eigen::Matrix<double, 3, 8> gradients(const Vec3& cell_mm, const Vec3& x) {
   Eigen::Matrix<double, 3, 8> grad;
@@ -118,56 +116,56 @@ void add_box(Stencil& s, const Vec3& cell_mm, const Vec3& lo, const Vec3& hi, co
   add_part(s, volume, 0.5 * (lo + hi), second / 12, l, frame);
 }
 
-std::vector<GradientTable> gradient_tables(const Vec3& cell_mm) {
-  std::vector<GradientTable> tables;
-  for (int k = 0; k < kSplit; ++k)
-    for (int j = 0; j < kSplit; ++j)
-      for (int i = 0; i < kSplit; ++i) {
-        GradientTable& t = tables.emplace_back();
-        for (Mat8& m : t) m.setZero();
-        for (int q = 0; q < 8; ++q) {
-          const auto g = gradients(cell_mm, gauss_point(Vec3(i, j, k) / kSplit, Vec3(i + 1, j + 1, k + 1) / kSplit, q));
-          for (size_t p = 0; p < 6; ++p) {
-            const auto u = g.row(kPairs[p][0]), v = g.row(kPairs[p][1]);
-            t[p] += u.transpose() * v;
-            if (p > 2) t[p] += v.transpose() * u;
-          }
-        }
-        for (Mat8& m : t) m *= cell_mm.prod() / (8 * kSplit * kSplit * kSplit);
-      }
-  return tables;
-}
+namespace {
 
-Stencil layered_stencil(const Vec3& cell_mm, const std::vector<GradientTable>& tables,
-                        const std::vector<LayerMatter>& layers,
-                        const std::array<int, kSplit * kSplit * kSplit>& layer_of_box, const StretchFrame& frame) {
-  Stencil s;
-  for (size_t l = 0; l < layers.size(); ++l) {
-    GradientTable sum;
-    int boxes = 0;
-    Vec3 centre = Vec3::Zero();
-    Mat3 second = Mat3::Zero();
-    for (size_t b = 0; b < tables.size(); ++b) {
-      if (layer_of_box[b] != int(l)) continue;
-      const int i = int(b);
-      const Vec3 at = (Vec3(i % kSplit, i / kSplit % kSplit, i / (kSplit * kSplit)) + Vec3::Constant(0.5)) / kSplit;
-      centre += at;
-      second += at * at.transpose();
-      for (size_t p = 0; p < 6; ++p) sum[p] = boxes ? Mat8(sum[p] + tables[b][p]) : tables[b][p];
-      ++boxes;
-    }
-    if (!boxes) continue;
-    const LayerMatter& m = layers[l];
-    const Mat3 A = prestretch_tensor(m.material, frame);
-    const double volume = cell_mm.prod() * boxes / double(tables.size()), mu = m.response.matrix_mu_kPa;
-    for (size_t p = 0; p < 6; ++p) s.K += mu * A(kPairs[p][0], kPairs[p][1]) * sum[p];
-    centre /= boxes;
-    second = second / boxes - centre * centre.transpose() + Mat3::Identity() / (12.0 * kSplit * kSplit);  // a box's own
-    for (double& x : second.reshaped())
-      if (std::fabs(x) < 1e-12) x = 0;
-    add_part(s, volume, centre, second, m, frame);
+// Integrals of products of two gradients from moments: per axis the coefficients of 1, x and x^2.
+class GradientProducts {
+ public:
+  explicit GradientProducts(const Vec3& cell_mm) {
+    for (size_t a = 0; a < 3; ++a)
+      for (size_t high = 0; high < 2; ++high) {
+        shape_[a][high] = {high ? 0.0 : 1.0, high ? 1.0 : -1.0};
+        slope_[a][high] = {(high ? 1 : -1) / cell_mm[int(a)], 0.0};
+      }
   }
-  return s;
+  /// Integral of dN_m/dx_p dN_n/dx_q.
+  double operator()(const CellMoments& of, size_t m, size_t n, size_t p, size_t q) const {
+    std::array<std::array<double, 3>, 3> c;
+    for (size_t a = 0; a < 3; ++a) {
+      const auto& u = a == p ? slope_[a][m >> a & 1] : shape_[a][m >> a & 1];
+      const auto& v = a == q ? slope_[a][n >> a & 1] : shape_[a][n >> a & 1];
+      c[a] = {u[0] * v[0], u[0] * v[1] + u[1] * v[0], u[1] * v[1]};
+    }
+    double sum = 0;
+    for (size_t k = 0; k < 3; ++k)
+      for (size_t j = 0; j < 3; ++j) {
+        const double* row = &of.of[9 * k + 3 * j];
+        sum += c[2][k] * c[1][j] * (c[0][0] * row[0] + c[0][1] * row[1] + c[0][2] * row[2]);
+      }
+    return sum;
+  }
+
+ private:
+  std::array<std::array<std::array<double, 2>, 2>, 3> shape_, slope_;
+};
+
+}  // namespace
+
+void add_moments(Stencil& s, const Vec3& cell_mm, const CellMoments& of, const LayerMatter& l,
+                 const StretchFrame& frame) {
+  const Mat3 A = prestretch_tensor(l.material, frame);
+  const GradientProducts product(cell_mm);
+  const double mu = l.response.matrix_mu_kPa;
+  for (size_t m = 0; m < 8 && mu > 0; ++m)
+    for (size_t n = m; n < 8; ++n) {
+      double sum = 0;
+      for (size_t p = 0; p < 3; ++p)
+        for (size_t q = 0; q < 3; ++q)
+          if (const double a = A(int(p), int(q)); a != 0) sum += mu * a * product(of, m, n, p, q);
+      s.K(int(m), int(n)) += sum;
+      if (n != m) s.K(int(n), int(m)) += sum;
+    }
+  add_part(s, of.volume_mm3(), of.centre(), of.second(), l, frame);
 }
 
 void finish_stencil(Stencil& s) {

@@ -51,7 +51,7 @@ ReferenceCells::ReferenceCells(const FemModel& model) : m_(model) {
       }
     B_.push_back(volume_gradients(s, model.cell_mm));
     B_sample_.push_back(sample_gradients(s, model.cell_mm));
-    KX_.push_back(s.K * X);
+    KX_.push_back(s.rest_mN ? Gradients(*s.rest_mN + s.p0_kPa * s.volume_mm3 * B_.back()) : Gradients(s.K * X));
     const Mat3 mean = X.transpose() * s.K * X / s.volume_mm3;
     const double mu = std::max(0.0, Eigen::SelfAdjointEigenSolver<Mat3>(mean).eigenvalues()[0]);
     mu_sample_.push_back(mu);

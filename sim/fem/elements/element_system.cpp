@@ -19,6 +19,7 @@ KernelStencil kernel_stencil(const Stencil& s, const Vec3& cell_mm, bool augment
     }
   const Eigen::Matrix<double, 8, 3> Bv = volume_gradients(s, cell_mm);
   Eigen::Matrix<double, 8, 3> f0 = s.K * X - s.p0_kPa * s.volume_mm3 * Bv;
+  if (s.rest_mN) f0 = *s.rest_mN;
   if (s.slide_kPa != 0) {  // the slopes at rest of what layers add (layer_slide.h)
     const Vec3 N = s.slide_axes.col(2);
     f0 += s.slide_kPa * s.volume_mm3 * (Bv * N) * N.transpose();

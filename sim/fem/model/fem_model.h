@@ -81,8 +81,11 @@ struct Stencil {
   double slide_kPa = 0;                // 0: one layer, or none thinner than the cell
   Mat3 slide_axes = Mat3::Identity();  // columns: two along the layers, their normal
   uint8_t level = 0;                   // of the cells that it is for; all lengths here are theirs
-  std::vector<MaterialPoint> points;   // empty for cells whose whole shape energy is in K, and then costs nothing
-  std::vector<ViscousPoint> viscous;   // empty where nothing relaxes, and then costs nothing
+  // Not null: the forces at rest (mN), rows of sum zero, of a cell whose K is no integral of trilinear gradients
+  // (held_cells.h); else they are those of K and p0.
+  std::shared_ptr<const Eigen::Matrix<double, 8, 3>> rest_mN;
+  std::vector<MaterialPoint> points;  // empty for cells whose whole shape energy is in K, and then costs nothing
+  std::vector<ViscousPoint> viscous;  // empty where nothing relaxes, and then costs nothing
 };
 
 /// Edges of a cell of that level.
@@ -120,7 +123,8 @@ inline Eigen::Matrix<double, 8, 3> volume_gradients(const Stencil& s, const Vec3
 struct HexCell {
   std::array<int32_t, 8> node{};
   int32_t stencil = 0;
-  // volume fraction of this copy of the cell, floored for conditioning; 0: absent (all its nodes are held)
+  // volume of this copy of the cell over what its stencil stands for (the whole cell, or the body's part of a cell that
+  // the body does not fill), floored for conditioning; 0: absent (all its nodes are held)
   float scale = 1;
   std::array<int16_t, 3>
       at{};           // its low corner on the lattice, in halves of an undivided cell (rounded down from level 2)

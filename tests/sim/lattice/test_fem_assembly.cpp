@@ -2,9 +2,9 @@
 
 #include "sim/base/error.h"
 #include "sim/body/block.h"
+#include "sim/lattice/cut_cells.h"
 #include "sim/lattice/fem_assembly.h"
 #include "sim/lattice/grid_fit.h"
-#include "sim/lattice/stencil_integrals.h"
 #include "sim/testing/reference_newton.h"
 #include "tests/sim/lattice/lattice_scene.h"
 
@@ -90,19 +90,19 @@ TEST(Stencils, HomogeneousCellHasTheClosedForm) {
   EXPECT_NEAR(s.lambda_kPa, m.lambda_kPa() + m.mu_kPa(), 1e-12);
 }
 
-// A cell of two layers as a sum of tables is the sum of two boxes, under any prestretch.
-TEST(Stencils, TablesAddUpToBoxes) {
+// A cell of two layers as a sum of moments is the sum of two boxes, under any prestretch.
+TEST(Stencils, MomentsAddUpToBoxes) {
   const Vec3 h(2, 3, 1.5);
   const Body b = layered_block(1.3);
   const Vec3 along = Vec3(1, 2, 3).normalized(), across = along.cross(Vec3::UnitX()).normalized();
   const StretchFrame frame{along, across, along.cross(across)};
-  std::array<int, 64> layer;
-  for (int i = 0; i < 64; ++i) layer[size_t(i)] = i >= 48 ? 0 : 1;
   std::vector<LawPtr> laws;
   const std::vector<LayerMatter> matter = layer_matter(b, laws);
-  Stencil t = layered_stencil(h, gradient_tables(h), matter, layer, frame), s;
-  add_box(s, h, {0, 0, 0.75}, {1, 1, 1}, matter[0], frame);
-  add_box(s, h, {0, 0, 0}, {1, 1, 0.75}, matter[1], frame);
+  Stencil t, s;
+  add_moments(t, h, box_cell_moments(h, {0, 0, 0.7}, {1, 1, 1}), matter[0], frame);
+  add_moments(t, h, box_cell_moments(h, {0, 0, 0}, {1, 1, 0.7}), matter[1], frame);
+  add_box(s, h, {0, 0, 0.7}, {1, 1, 1}, matter[0], frame);
+  add_box(s, h, {0, 0, 0}, {1, 1, 0.7}, matter[1], frame);
   finish_stencil(t);
   finish_stencil(s);
   EXPECT_LT((t.K - s.K).cwiseAbs().maxCoeff(), 1e-12 * s.K.cwiseAbs().maxCoeff());
@@ -110,6 +110,17 @@ TEST(Stencils, TablesAddUpToBoxes) {
   EXPECT_NEAR(t.lambda_kPa, s.lambda_kPa, 1e-12 * s.lambda_kPa);
   EXPECT_NEAR(t.volume_mm3, 9, 1e-12);
   EXPECT_LT((t.sample - s.sample).norm(), 1e-12);
+}
+
+// What share_cell() takes of a part is the same from its moments as from Gauss points.
+TEST(Stencils, LayerMomentsAreThoseOfTheBox) {
+  const Vec3 h(2, 3, 1.5), lo(0.1, 0.3, 0.45), hi(0.8, 0.9, 1);
+  const LayerMoments m = layer_moments(h, box_cell_moments(h, lo, hi)), o = box_moments(h, lo, hi);
+  EXPECT_NEAR(m.volume_mm3, o.volume_mm3, 1e-13);
+  EXPECT_LT((m.x - o.x).norm(), 1e-13);
+  EXPECT_LT((m.xx - o.xx).norm(), 1e-13);
+  EXPECT_LT((m.B - o.B).norm(), 1e-13);
+  for (size_t j = 0; j < 3; ++j) EXPECT_LT((m.Bx[j] - o.Bx[j]).norm(), 1e-13);
 }
 
 // The general assembly of a flat block comes to the layers of the block's own.
