@@ -65,7 +65,6 @@ class Operation {
       step(residual);
       out.stalled = watch.look(out.last.residual, out.last.iterations) && out.last.residual > residual;
       if ((out.last.residual <= residual && patient_.settled()) || (set_.interrupted && set_.interrupted())) return;
-      if (out.stalled && patient_.settled()) return;
     }
   }
 
