@@ -38,6 +38,7 @@ Result verification(const VerificationSettings& s) {
   part("manufactured solution", manufactured);
   part("bent strip", bent_strip);
   part("CalculiX", calculix_block);
+  part("thickness of skin", thickness);
   part("live error", live_error);
   out.notes.push_back(
       "Errors in % of the reference unless the unit says otherwise. Times are CPU time of the Newton reference, not of "

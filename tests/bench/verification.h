@@ -10,6 +10,7 @@
 //   bending        a strip bent by 20 mm: strain energy of the scenes' element, the fully integrated one and the linear
 //                  tetrahedron with two and more cells through its thickness, at three Poisson's ratios
 //   CalculiX       the skin block by an independent program, where it is installed (Debian: calculix-ccx)
+//   thickness      skin on a ball and in a slab whose borders fall anywhere in the cells; a patch of it that is pulled
 //   live error     the distance to equilibrium that every frame states, against the true one (verification_live.cpp)
 //
 // A bar holds when the finest mesh is within 1 % and the observed order is what theory gives, less 0.25. Equilibria are

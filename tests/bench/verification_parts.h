@@ -15,6 +15,7 @@ void elastica(Result& out, const VerificationSettings& settings);
 void manufactured(Result& out, const VerificationSettings& settings);
 void bent_strip(Result& out, const VerificationSettings& settings);
 void calculix_block(Result& out, const VerificationSettings& settings);
+void thickness(Result& out, const VerificationSettings& settings);
 void live_error(Result& out, const VerificationSettings& settings);
 
 /// A force that does not follow: a spring so soft and so far away that its force is F wherever the node goes. It is

@@ -55,5 +55,12 @@ TEST(Verification, ManufacturedSolution) {
   }
 }
 
+TEST(Verification, SkinIsAsThickAsItSays) {
+  Result r;
+  thickness(r, quick());
+  expect_all(r);
+  EXPECT_EQ(r.rows.size(), 2u);
+}
+
 }  // namespace test_verification
 }  // namespace limberg::bench

@@ -82,6 +82,18 @@ inline TriMesh ball_mesh(double radius_mm, int times, const Vec3& centre_mm) {
   return m;
 }
 
+/// Volume of the skin of a ball that has the polyhedron's volume.
+inline double skin_of_ball_mm3(const TriMesh& m, double skin_mm) {
+  double volume = 0;
+  const Vec3 o = m.X_mm[0];
+  for (const Tri& t : m.tri) {
+    const Vec3 p = m.X_mm[size_t(t[0])] - o, q = m.X_mm[size_t(t[1])] - o, r = m.X_mm[size_t(t[2])] - o;
+    volume += p.dot(q.cross(r)) / 6;
+  }
+  const double R = std::cbrt(volume / (4 * M_PI / 3)), in = R - skin_mm;
+  return 4 * M_PI / 3 * (R * R * R - in * in * in);
+}
+
 /// Skin of 300 kPa on fat of 15 kPa. `far_lighter`: fat weighs next to nothing, so that a mass is the skin's volume.
 inline Body layered(TriMesh surface, double skin_mm, bool far_lighter = false) {
   Body b;
