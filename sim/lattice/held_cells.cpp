@@ -81,8 +81,12 @@ bool hold_at_surface(Stencil& s, const Vec3& cell_mm, const HeldCorners& corners
                      const std::vector<LayerMatter>& matter, const StretchFrame& frame, double unheld) {
   const HeldFunctions functions(cell_mm, corners);
   if (!functions.fits() || s.slide_kPa != 0) return false;
-  std::vector<Mat3> A;
-  for (const LayerMatter& m : matter) A.push_back(m.response.matrix_mu_kPa * prestretch_tensor(m.material, frame));
+  std::vector<Mat3> A, rest;
+  for (const LayerMatter& m : matter) {
+    A.push_back(m.response.matrix_mu_kPa * prestretch_tensor(m.material, frame));
+    const double p0_kPa = frame.normal.dot(A.back() * frame.normal);  // each layer's own: without prestretch it rests
+    rest.push_back(A.back() - p0_kPa * Mat3::Identity());
+  }
   Mat8 K = Mat8::Zero();
   Gradients mean = Gradients::Zero(), force = Gradients::Zero();
   double volume = 0;
@@ -92,7 +96,7 @@ bool hold_at_surface(Stencil& s, const Vec3& cell_mm, const HeldCorners& corners
     if (!G) continue;
     const Gradients GA = *G * A[size_t(p.layer)];
     K += p.volume_mm3 * (GA * G->transpose());
-    force += p.volume_mm3 * GA;
+    force += p.volume_mm3 * (*G * rest[size_t(p.layer)]);
     mean += p.volume_mm3 * *G;
     volume += p.volume_mm3;
   }
@@ -118,8 +122,9 @@ bool hold_at_surface(Stencil& s, const Vec3& cell_mm, const HeldCorners& corners
   if (!(best > 0)) return false;
   const double scale = s.volume_mm3 / volume;  // points at which the functions have no value
   s.K = unheld * s.K + (1 - unheld) * scale * K;
-  s.rest_mN = std::make_shared<const Gradients>(scale * force - s.p0_kPa * s.volume_mm3 * mean);
+  s.rest_mN = std::make_shared<const Gradients>(scale * force);
   s.sample = place;
+  s.mean_gradients.reset();
   s.volume_mm3 *= factor * factor;
   s.K = (0.5 * (s.K + s.K.transpose())).eval();
   for (int i = 0; i < 8; ++i) s.K(i, i) -= s.K.row(i).sum();

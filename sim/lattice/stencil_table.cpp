@@ -171,7 +171,7 @@ int32_t StencilTable::intern(const Stencil& s, double body_mm3) const {
     if (body_mm3_[i] == body_mm3 && o.K == s.K && o.volume_mm3 == s.volume_mm3 && o.mu_kPa == s.mu_kPa &&
         o.lambda_kPa == s.lambda_kPa && o.p0_kPa == s.p0_kPa && o.sample == s.sample &&
         o.density_kg_mm3 == s.density_kg_mm3 && o.level == s.level && o.slide_kPa == s.slide_kPa &&
-        o.slide_axes == s.slide_axes && o.rest_mN == s.rest_mN &&
+        o.slide_axes == s.slide_axes && o.rest_mN == s.rest_mN && o.mean_gradients == s.mean_gradients &&
         std::equal(o.points.begin(), o.points.end(), s.points.begin(), s.points.end(),
                    [](const MaterialPoint& p, const MaterialPoint& q) {
                      return p.at == q.at && p.volume_mm3 == q.volume_mm3 && p.law == q.law && p.M == q.M;
@@ -266,15 +266,23 @@ std::pair<Stencil, double> StencilTable::cut_cell(const CellCutter& cutter, cons
   const double spread = spread_of(volume / whole);
   const CellMoments box = box_cell_moments(h, Vec3::Zero(), Vec3::Ones());
   std::vector<LayerPart> parts;
+  // The push of the rest pressures is integrated like the pull of K that it balances: no point of the cell has the
+  // product of two coordinates of a piece that lies askew.
+  Eigen::Matrix<double, 8, 3> push = Eigen::Matrix<double, 8, 3>::Zero();
+  bool all_push = true;
   for (size_t l = 0; l < moments.size(); ++l) {
     const double V = moments[l].volume_mm3();
     if (!(V > 1e-9 * volume)) continue;
     CellMoments m = box;
     for (double& x : m.of) x *= spread * V / whole;
     m.add(moments[l], 1 - spread);
+    const double before = s.p0_kPa;  // times volume, until the stencil is finished
     add_moments(s, h, m, matter_[l], frame);
     parts.push_back({&matter_[l], layer_moments(h, m)});
+    push += (s.p0_kPa - before) / m.volume_mm3() * parts.back().moments.B;
+    all_push = all_push && s.p0_kPa > before;
   }
+  if (all_push) s.mean_gradients = std::make_shared<const Eigen::Matrix<double, 8, 3>>(push / s.p0_kPa);
   finish_stencil(s);
   if (!held.held || !hold_at_surface(s, h, held, cutter.points(samples), matter_, frame, spread))
     share_cell(s, h, parts, frame, spread > 0);

@@ -32,7 +32,7 @@ KernelStencil kernel_stencil(const Stencil& s, const Vec3& cell_mm, bool augment
     for (int a = 0; a < 8; ++a) k.K[8 * b + a] = float(s.K(a, b));
   for (int a = 0; a < 8; ++a)
     for (int i = 0; i < 3; ++i) k.f0[4 * a + i] = float(f0(a, i));
-  k.centred = s.sample == Vec3::Constant(0.5) || s.slide_kPa != 0;
+  k.centred = (!s.mean_gradients && s.sample == Vec3::Constant(0.5)) || s.slide_kPa != 0;
   for (int e = 0; e < 4; ++e)
     k.bx[e] = float(B(2 * e + 1, 0)), k.by[e] = float(B(2 * (e & 2) + 2 + (e & 1), 1)), k.bz[e] = float(B(4 + e, 2));
   for (int i = 0; i < 3; ++i) k.inv4h[i] = float(1 / (4 * h[i]));

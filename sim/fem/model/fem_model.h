@@ -84,6 +84,9 @@ struct Stencil {
   // Not null: the forces at rest (mN), rows of sum zero, of a cell whose K is no integral of trilinear gradients
   // (held_cells.h); else they are those of K and p0.
   std::shared_ptr<const Eigen::Matrix<double, 8, 3>> rest_mN;
+  // Not null: the gradients (1/mm) that the volume is measured with instead of those at `sample`. In a cell that the
+  // body cuts askew the mean of trilinear gradients is that of no place, and a body under no load would not rest.
+  std::shared_ptr<const Eigen::Matrix<double, 8, 3>> mean_gradients;
   std::vector<MaterialPoint> points;  // empty for cells whose whole shape energy is in K, and then costs nothing
   std::vector<ViscousPoint> viscous;  // empty where nothing relaxes, and then costs nothing
 };
@@ -109,10 +112,10 @@ inline Eigen::Matrix<double, 8, 3> point_gradients(const Stencil& s, const Mater
   return p.gradients ? *p.gradients : trilinear_gradients(s, p.at, cell_mm);
 }
 
-/// The same at the stencil's sample point; in a cell that is no box, at its first material point.
+/// The same at the stencil's sample point, or their mean; in a cell that is no box, at its first material point.
 inline Eigen::Matrix<double, 8, 3> sample_gradients(const Stencil& s, const Vec3& cell_mm) {
   if (!s.points.empty() && s.points[0].gradients) return *s.points[0].gradients;
-  return trilinear_gradients(s, s.sample, cell_mm);
+  return s.mean_gradients ? *s.mean_gradients : trilinear_gradients(s, s.sample, cell_mm);
 }
 
 /// The same where the volume is sampled, if the stencil has lambda.

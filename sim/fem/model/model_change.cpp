@@ -10,7 +10,7 @@ namespace {
 bool same_stencil(const FemModel& m, const Stencil& a, const FemModel& n, const Stencil& b) {
   const auto law = [](const FemModel& model, const MaterialPoint& p) { return model.laws[size_t(p.law)].get(); };
   return a.volume_mm3 == b.volume_mm3 && a.mu_kPa == b.mu_kPa && a.lambda_kPa == b.lambda_kPa && a.level == b.level &&
-         a.sample == b.sample && a.K == b.K && a.slide_kPa == b.slide_kPa &&
+         a.sample == b.sample && a.mean_gradients == b.mean_gradients && a.K == b.K && a.slide_kPa == b.slide_kPa &&
          std::equal(a.points.begin(), a.points.end(), b.points.begin(), b.points.end(), [&](auto& p, auto& q) {
            return p.at == q.at && p.volume_mm3 == q.volume_mm3 && p.M == q.M && p.gradients == q.gradients &&
                   law(m, p) == law(n, q);

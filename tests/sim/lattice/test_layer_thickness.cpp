@@ -119,5 +119,25 @@ TEST(Held, SlabMovesAsTheSameBlockWhereverItsBordersFall) {
   }
 }
 
+// A body under no load and without prestretch rests as it lies, however its surface and its layers cut the cells: the
+// largest force that its cells exert, beside what one of them would under its rest pressure alone.
+TEST(Held, BodyUnderNoLoadRests) {
+  Sheet s;
+  s.top = [](double x, double y) { return 6 * std::cos(0.08 * x) * std::cos(0.06 * y + 0.3); };
+  s.bottom = [&](double x, double y) { return s.top(x, y) - 7 - 0.1 * x; };
+  for (const TriMesh& surface : {sheet_mesh(s), ball_mesh(20, 4, {0.3, 0.1, 0.2})})
+    for (double h : {5.0, 3.5}) {
+      const Lattice l(layered(surface, kSkin_mm), h, {0.5, 0.3, 0.7});
+      double scale = 0, force = 0;
+      for (const Stencil& k : l.m->stencils) scale = std::max(scale, k.p0_kPa * k.volume_mm3 / h);
+      const std::vector<Vec3> u(l.m->X_mm.size(), Vec3::Zero());
+      std::vector<Vec3> f;
+      ReferenceElasticity(*l.m, {}).gradient(u, f);
+      for (size_t n = 0; n < f.size(); ++n)
+        if (!l.m->fixed[n]) force = std::max(force, f[n].norm());
+      EXPECT_LT(force, 1e-9 * scale) << h;
+    }
+}
+
 }  // namespace test_layer_thickness
 }  // namespace limberg::test
