@@ -127,7 +127,7 @@ TEST(Held, BodyUnderNoLoadRests) {
   s.bottom = [&](double x, double y) { return s.top(x, y) - 7 - 0.1 * x; };
   for (const TriMesh& surface : {sheet_mesh(s), ball_mesh(20, 4, {0.3, 0.1, 0.2})})
     for (double h : {5.0, 3.5}) {
-      const Lattice l(layered(surface, kSkin_mm), h, {0.5, 0.3, 0.7});
+      const SheetLattice l(layered(surface, kSkin_mm), h, {0.5, 0.3, 0.7});
       double scale = 0, force = 0;
       for (const Stencil& k : l.m->stencils) scale = std::max(scale, k.p0_kPa * k.volume_mm3 / h);
       const std::vector<Vec3> u(l.m->X_mm.size(), Vec3::Zero());
