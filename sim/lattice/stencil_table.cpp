@@ -90,12 +90,16 @@ std::vector<double> layer_ends(const Body& body) {
   return end;
 }
 
+// Where the n-th sample of a cell lies, in cell units.
+Vec3 sample_place(int n) {
+  return Vec3(n % (kSplit + 1), n / (kSplit + 1) % (kSplit + 1), n / ((kSplit + 1) * (kSplit + 1))) / kSplit;
+}
+
 // Samples of a cell of one layer that only the held surface cuts: from the distances of its corners.
 CellSamples above_held(const HeldCorners& held, const Skin::Place& place) {
   CellSamples out;
   for (int n = 0; n < kSamples; ++n) {
-    const int i = n % (kSplit + 1), j = n / (kSplit + 1) % (kSplit + 1), k = n / ((kSplit + 1) * (kSplit + 1));
-    const Vec3 at = Vec3(i, j, k) / kSplit;
+    const Vec3 at = sample_place(n);
     double d = 0;
     for (size_t c = 0; c < 8; ++c)
       d += held.depth_mm[c] * (c & 1 ? at[0] : 1 - at[0]) * (c & 2 ? at[1] : 1 - at[1]) * (c & 4 ? at[2] : 1 - at[2]);
@@ -398,11 +402,7 @@ int32_t StencilTable::general_part(const LatticeGrid& grid, Int3 at, int level) 
     finish_stencil(s);
   } else {
     CellSamples samples;
-    for (size_t n = 0; n < samples.size(); ++n) {
-      const int i = int(n) % (kSplit + 1), j = int(n) / (kSplit + 1) % (kSplit + 1),
-                k = int(n) / ((kSplit + 1) * (kSplit + 1));
-      samples[n] = skin_->place(low + h.cwiseProduct(Vec3(i, j, k)) / kSplit, near);
-    }
+    for (int n = 0; n < kSamples; ++n) samples[size_t(n)] = skin_->place(low + h.cwiseProduct(sample_place(n)), near);
     std::tie(s, volume) = cut_cell(CellCutter(h, layer_ends(skin_->body())), samples, {}, centre, place.depth_mm);
   }
   s.level = uint8_t(level);

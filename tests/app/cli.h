@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "app/program/places.h"
+#include "tests/small_block.h"
 
 namespace fs = std::filesystem;
 
@@ -68,25 +69,7 @@ class Cli : public ::testing::Test {
   }
 
   static std::string small_scene(const std::string& change = "", const std::string& to = "") {
-    std::string s = R"(name = "small"
-[body]
-source = "block"
-size_mm = [40, 40, 10]
-skin_cell_mm = 2
-[[layer]]
-name = "skin"
-thickness_mm = 2
-young_kPa = 60
-poisson = 0.45
-prestretch_along = 1.08
-[[layer]]
-name = "fat"
-thickness_mm = 8
-young_kPa = 15
-poisson = 0.45
-[lattice]
-cell_mm = 5
-)";
+    std::string s = limberg::test::small_block({.name = "small", .prestretch_along = "1.08"});
     if (!change.empty()) s.replace(s.find(change), change.size(), to);
     return s;
   }

@@ -77,15 +77,22 @@ TEST(OwnLaw, EnergyStressAndTangentAreThoseOfTheFormula) {
   }
 }
 
+/// A block of 24 x 20 x 6 mm with these layers.
+std::string block_scene(const std::string& layers) {
+  return "[body]\nsource = \"block\"\nsize_mm = [24, 20, 6]\nskin_cell_mm = 2\n" + layers + "[lattice]\ncell_mm = 3\n";
+}
+
+/// A hook pulls it, and it comes to rest.
+void pull(World& world, const StepSettings& s) {
+  EXPECT_TRUE(world.apply(SetHook{1, {2, 1}}).done);
+  EXPECT_TRUE(world.apply(MoveHook{1, {2, 3, 6}, 0}).done);
+  EXPECT_LE(world.step(s).residual, 1e-5);
+}
+
 TEST(OwnLaw, RunsThroughAScene) {
   auto laws = std::make_shared<LawCatalogue>(*shipped_laws());
   laws->add(yeoh());
-  const std::string text = R"(
-[body]
-source = "block"
-size_mm = [24, 20, 6]
-skin_cell_mm = 2
-[[layer]]
+  const std::string text = block_scene(R"([[layer]]
 name = "skin"
 thickness_mm = 1.5
 law = "yeoh"
@@ -99,9 +106,7 @@ name = "fat"
 thickness_mm = 4.5
 young_kPa = 12
 poisson = 0.45
-[lattice]
-cell_mm = 3
-)";
+)");
   const Scene scene = parse_scene(text, "own.toml", laws);
   EXPECT_NEAR(scene.layers()[0].material.mu_kPa(), 20, 1e-9);  // 2 c1
   const LawPtr formula = std::make_shared<YeohOfF>(10, 30, 5);
@@ -111,9 +116,7 @@ cell_mm = 3
   // A hook pulls it, an incision opens it, and undo brings the pulled state back to the bit.
   StepSettings s;
   s.max_iterations = 300, s.tolerance = 1e-5;
-  EXPECT_TRUE(world.apply(SetHook{1, {2, 1}}).done);
-  EXPECT_TRUE(world.apply(MoveHook{1, {2, 3, 6}, 0}).done);
-  EXPECT_LE(world.step(s).residual, 1e-5);
+  pull(world, s);
   const uint64_t pulled = world.state_hash();
   EXPECT_LT(off_the_law(world, formula), 1e-3) << "the engine's forces are those of the reference in double";
   EXPECT_GT(off_the_law(world, std::make_shared<YeohOfF>(10, 30.6, 5)), 1e-3) << "a constant 2 % off is seen";
@@ -173,28 +176,19 @@ TEST(OwnLaw, OneThatHoldsItsVolumeHasNoneAddedByTheCell) {
 TEST(OwnLaw, OneThatHoldsItsVolumeRunsThroughAScene) {
   auto laws = std::make_shared<LawCatalogue>(*shipped_laws());
   laws->add(with_volume(true, 9));
-  const std::string text = R"(
-[body]
-source = "block"
-size_mm = [24, 20, 6]
-skin_cell_mm = 2
-[[layer]]
+  const std::string text = block_scene(R"([[layer]]
 name = "skin"
 thickness_mm = 6
 law = "with-volume"
 mu_kPa = 20
 poisson = 0.45
-[lattice]
-cell_mm = 3
-)";
+)");
   const Scene scene = parse_scene(text, "own.toml", laws);
   InlineWorkers workers;
   World world(world_spec(scene, build_body(scene)), workers);
   StepSettings s;
   s.max_iterations = 500, s.tolerance = 1e-5;
-  EXPECT_TRUE(world.apply(SetHook{1, {2, 1}}).done);
-  EXPECT_TRUE(world.apply(MoveHook{1, {2, 3, 6}, 0}).done);
-  EXPECT_LE(world.step(s).residual, 1e-5);
+  pull(world, s);
   EXPECT_LT(off_the_law(world, neo_hookean_log_full(20, 180)), 1e-3);
   EXPECT_GT(off_the_law(world, neo_hookean_log_full(20, 230)), 1e-3) << "50 kPa more are seen";
 }

@@ -4,30 +4,11 @@
 #include <random>
 
 #include "sim/base/whole_file.h"
+#include "tests/small_block.h"
 
 namespace limberg::bench::faults {
 
 namespace {
-
-constexpr const char* kScene = R"(name = "tiny"
-[body]
-source = "block"
-size_mm = [30, 30, 10]
-skin_cell_mm = 5
-[[layer]]
-name = "skin"
-thickness_mm = 2
-young_kPa = 60
-poisson = 0.45
-prestretch_along = 1.08
-[[layer]]
-name = "fat"
-thickness_mm = 8
-young_kPa = 15
-poisson = 0.45
-[lattice]
-cell_mm = 10
-)";
 
 constexpr size_t kFastrak = 5, kLcm = 6;  // in calls()
 
@@ -41,7 +22,8 @@ constexpr const char* kScript = R"({"limberg_script":1,"scene":"tiny"}
 }  // namespace
 
 void write_patient(const std::string& folder) {
-  write_whole_file(folder + "/tiny.toml", kScene);
+  write_whole_file(folder + "/tiny.toml",
+                   test::small_block({.side_mm = 30, .skin_cell_mm = 5, .cell_mm = 10, .prestretch_along = "1.08"}));
   write_whole_file(folder + "/tiny.jsonl", kScript);
 }
 

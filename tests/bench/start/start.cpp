@@ -12,30 +12,11 @@
 #include "sim/base/error.h"
 #include "sim/base/whole_file.h"
 #include "tests/bench/start/child.h"
+#include "tests/small_block.h"
 
 namespace limberg::bench {
 
 namespace {
-
-// A block of 40 x 40 x 10 mm in cells of 5 mm.
-constexpr const char* kTiny = R"(name = "tiny"
-[body]
-source = "block"
-size_mm = [40, 40, 10]
-skin_cell_mm = 2
-[[layer]]
-name = "skin"
-thickness_mm = 2
-young_kPa = 60
-poisson = 0.45
-[[layer]]
-name = "fat"
-thickness_mm = 8
-young_kPa = 15
-poisson = 0.45
-[lattice]
-cell_mm = 5
-)";
 
 // What belongs to parts that a session of skin without pictures does not have.
 constexpr const char* kParts[] = {"Bullet", "LinearMath", "OSMesa",   "LLVM", "EGL",       "GLX",     "libGL",
@@ -63,7 +44,7 @@ SuiteOutcome start(const StartSettings& set) {
   const TemporaryFolder folder;
   const std::string loader = (folder.path() / "loader").string(), out = (folder.path() / "out").string(),
                     json = (folder.path() / "run.json").string(), tiny = (folder.path() / "tiny.toml").string();
-  write_whole_file(tiny, kTiny);
+  write_whole_file(tiny, test::small_block({}));
   SuiteOutcome o;
   Result& r = o.result;
   const auto add = [&](const std::string& name, const std::string& method, const ChildFigures& f, bool clock) {
