@@ -129,7 +129,8 @@ void SoftTissue::return_to(const TissueMoment& m, ParentList parent) {
 
 StepReport SoftTissue::step(const StepSettings& settings) {
   if (sutures_.draw_tight()) publish_springs();
-  const StepReport report = contacts_.step(settings);
+  StepReport report = contacts_.step(settings);
+  report.distance_mm += sutures_.to_draw_mm();  // the hand is not done
   figures_.last = {report.energy_uJ, float(report.residual), float(report.distance_mm)};
   if (report.residual > kRest || !settled()) return report;
   if (holding_.hooks.empty() && holding_.stitches.empty()) figures_.open_energy_uJ = report.energy_uJ;

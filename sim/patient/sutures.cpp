@@ -195,6 +195,18 @@ bool Sutures::settled() const {
          std::all_of(holding_.threads.begin(), holding_.threads.end(), [](const Thread& t) { return !t.closing; });
 }
 
+double Sutures::to_draw_mm() const {
+  double most = 0;
+  for (const Stitch& s : holding_.stitches) {
+    if (!s.drawn()) most = std::max(most, s.slack_mm.norm());
+    if (s.thread == 0 || !s.across()) continue;
+    const auto t = std::find_if(holding_.threads.begin(), holding_.threads.end(),
+                                [&](const Thread& thread) { return thread.id == s.thread; });
+    if (t != holding_.threads.end() && t->closing) most = std::max(most, (held_mm(s.a) - held_mm(s.b)).norm());
+  }
+  return most;
+}
+
 void Sutures::note_forces() {
   for (Stitch& s : holding_.stitches) {
     const double f = 1e-3 * tissue_.solver().spring_force_mN(s.spring).norm();

@@ -26,6 +26,8 @@ class Sutures {
 
   bool draw_tight();  // by one step; true when something moved
   bool settled() const;
+  /// How far the ends that are still being drawn together are apart, at most; 0 once all are.
+  double to_draw_mm() const;
   /// Forces of a state at rest: the first of a stitch and the largest.
   void note_forces();
   /// To the present version of the topology; a thread that has lost a bite goes.

@@ -222,7 +222,7 @@ constexpr Suite kSuites[] = {
      }},
     {"verification", "closed forms, published values, CalculiX", "", false,
      [](const Options& o) {
-       return only(verification({o.quick, o.progress}));
+       return only(verification({o.quick, o.progress, o.only}));
      }},
 };
 

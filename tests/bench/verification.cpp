@@ -28,6 +28,7 @@ void at_least(Result& out, const std::string& name, double value, double bar, co
 Result verification(const VerificationSettings& s) {
   Result out;
   const auto part = [&](const char* name, void (*f)(Result&, const VerificationSettings&)) {
+    if (std::string(name).find(s.only) == std::string::npos) return;
     if (s.progress) s.progress(name);
     f(out, s);
   };
@@ -40,6 +41,7 @@ Result verification(const VerificationSettings& s) {
   part("CalculiX", calculix_block);
   part("thickness of skin", thickness);
   part("live error", live_error);
+  part("live error of operations", live_operations);
   out.notes.push_back(
       "Errors in % of the reference unless the unit says otherwise. Times are CPU time of the Newton reference, not of "
       "the program's minimiser.");

@@ -11,7 +11,8 @@
 //                  tetrahedron with two and more cells through its thickness, at three Poisson's ratios
 //   CalculiX       the skin block by an independent program, where it is installed (Debian: calculix-ccx)
 //   thickness      skin on a ball and in a slab whose borders fall anywhere in the cells; a patch of it that is pulled
-//   live error     the distance to equilibrium that every frame states, against the true one (verification_live.cpp)
+//   live error     the distance to equilibrium that every frame states, against the true one (verification_live.cpp,
+//                  verification_operations.cpp)
 //
 // A bar holds when the finest mesh is within 1 % and the observed order is what theory gives, less 0.25. Equilibria are
 // found by full Newton in double on the same model
@@ -20,6 +21,7 @@
 // meshes of mapped cells (sim/fem/elements/shaped_cells.h) with the
 // scenes' integration rule.
 #include <functional>
+#include <string>
 
 #include "app/operating_point/bench.h"
 
@@ -28,6 +30,7 @@ namespace limberg::bench {
 struct VerificationSettings {
   bool quick = false;                                // the coarsest meshes only, no bars on the finest: behaviour
   std::function<void(const std::string&)> progress;  // empty: silent
+  std::string only;                                  // parts whose name contains this
 };
 
 Result verification(const VerificationSettings& settings);

@@ -1,8 +1,10 @@
 #pragma once
 // The parts of `bench verification`, and what they share.
+#include <functional>
 #include <string>
 #include <vector>
 
+#include "sim/fem/solver/elastic_solver.h"
 #include "sim/testing/reference_newton.h"
 #include "tests/bench/verification.h"
 
@@ -17,6 +19,23 @@ void bent_strip(Result& out, const VerificationSettings& settings);
 void calculix_block(Result& out, const VerificationSettings& settings);
 void thickness(Result& out, const VerificationSettings& settings);
 void live_error(Result& out, const VerificationSettings& settings);
+void live_operations(Result& out, const VerificationSettings& settings);
+
+/// Frames after one disturbance: what each stated, and where it was.
+class LiveFrames {
+ public:
+  void add(const ElasticSolver& solver, const StepReport& report);
+  /// The solver is at rest now. Adds stated / true of the frames that were far enough off to tell, and forgets them.
+  void end(const ElasticSolver& solver, std::vector<double>& ratios);
+
+ private:
+  std::vector<std::vector<Vec3f>> u_;
+  std::vector<double> stated_mm_;
+};
+/// A hundred iterations at a time, at most 80 times, to a residual of 2e-6; one ten times that is rest enough.
+bool comes_to_rest(const std::function<StepReport(const StepSettings&)>& step);
+/// One row and its bars: how often the truth was more than three times what was stated, and the median.
+void report_live(Result& out, const std::string& name, std::vector<double> ratios, double cpu_ms);
 
 /// A force that does not follow: a spring so soft and so far away that its force is F wherever the node goes. It is
 /// exactly F at X + `expected` and changes by k a mm.

@@ -196,6 +196,16 @@ bool ElementSystem::update_multipliers(const Engine& engine, double scale_of_inc
   return true;
 }
 
+bool ElementSystem::settle_multipliers(AlignedArray<float>& before) {
+  if (!has_multipliers_ || shape_only_) return false;
+  before = q_;
+  for (size_t c = 0; c < data_.cells.size(); ++c) {
+    const float r = (*data_.stencils)[size_t(data_.cells[c].stencil)].r;
+    if (r > 0) q_[c] = r / (1 - r) * theta_[c];
+  }
+  return true;
+}
+
 double ElementSystem::energy_to_primal() const {
   double e = 0;
   for (size_t c = 0; c < data_.cells.size(); ++c) {

@@ -6,8 +6,7 @@
 namespace limberg::fem {
 namespace {
 
-constexpr double scale = 0.9;  // of sqrt(d m)
-constexpr double alone = 4.4;  // of d, when nothing else is known: the median of truth / d was 4.4
+constexpr double of_next = 0.7;
 
 double largest_move(const NodeArray& a, const NodeArray& b) {
   float most = 0;
@@ -20,20 +19,25 @@ double largest_move(const NodeArray& a, const NodeArray& b) {
 
 }  // namespace
 
+void DistanceEstimate::begin(const NodeArray& u) {
+  if (known_ > 0 && past_[0].size() == u.size()) return;
+  past_[0] = u, known_ = 1, since_ = 0;
+}
+
 void DistanceEstimate::moved(const NodeArray& u) {
-  if (count_ < 0 || newer_.size() != u.size()) {
-    newer_ = u, count_ = 0, has_older_ = false;
-  } else if (++count_ == every_) {
-    older_.swap(newer_), newer_ = u, count_ = 0, has_older_ = true;
-  }
+  if (++since_ < every_) return;
+  past_[2].swap(past_[1]), past_[1].swap(past_[0]), past_[0] = u;
+  known_ = std::min(known_ + 1, int(past_.size())), since_ = 0;
 }
 
 double DistanceEstimate::operator()(const NodeArray& u, double next) const {
-  const bool known = count_ >= 0 && newer_.size() == u.size() && (has_older_ || count_ >= every_ / 2);
-  if (!known) return alone * next;
-  const double m = largest_move(u, has_older_ ? older_ : newer_);
-  // The truth is hardly ever beyond either of these.
-  return std::clamp(scale * std::sqrt(next * m), next, 30 * next);
+  if (known_ == 0) return of_next * next;
+  double moved = largest_move(u, past_[size_t(known_ - 1)]);
+  if (known_ == 3) {  // moves that shrink fast have little behind them
+    const double later = largest_move(u, past_[1]), earlier = largest_move(past_[1], past_[2]);
+    if (2 * later < earlier) moved *= 4 * later * later / (earlier * earlier);
+  }
+  return of_next * next + moved;
 }
 
 }  // namespace limberg::fem

@@ -1,13 +1,17 @@
 #pragma once
 // How far the tissue is from where it would come to rest, while the minimiser is still on its way.
 //
-// Two lengths are at hand in every step: the next move that the minimiser would make, d = |H g| (largest
-// node), and the move m over its last ten to twenty iterations. Iterates that shrink by a factor r each
-// time are d / (1 - r) away; the next move alone is too short (the metric is stiffer than the tissue in
-// its soft modes), the last moves alone too long. Their geometric mean was the best of eleven such
-// estimates on 2026-11-21, over jumps of hooks and the actions of the shipped scripts: with the factor
-// here nine of ten frames are within a factor of 3.3 of the truth (`limberg bench verification` measures
-// it anew). It is an estimate, not a bound. In a dynamic step: the distance to the solution of that step.
+// Two lengths are at hand in every step. One is the next move d that the minimiser would make (largest node) if every
+// cell had the pressure that its volume asks for, p = lambda theta: where cells are nearly incompressible, multipliers
+// that have not arrived hide most of the way. The other is the move m over the last ten to fourteen iterations. The
+// metric is stiffer than the tissue in its soft modes, so d alone is too short; m alone says nothing of what has only
+// begun. 0.7 d + m, with less of m where moves shrink fast, was the best of some sixty sums, means and rates on
+// 2026-11-24, over frames after hooks, cuts, undermining and stitches with and without contact, fibres and divided
+// fronts, Poisson's ratios of .45 to .499 (`limberg bench verification --only live` measures it anew). It leans to the
+// safe side. A flap that hangs on an edge, or contacts that are about to change, are seen only when it slips and when
+// they do. In a dynamic step: the distance to the solution of that step.
+#include <array>
+
 #include "sim/base/simd.h"
 
 namespace limberg::fem {
@@ -15,17 +19,19 @@ namespace limberg::fem {
 class DistanceEstimate {
  public:
   /// The unknowns are others now, or were set from outside: what went before says nothing.
-  void forget() { count_ = -1; }
+  void forget() { known_ = 0; }
+  /// Before the iterations of a step.
+  void begin(const NodeArray& u);
   /// After an accepted iterate.
   void moved(const NodeArray& u);
-  /// u: the present state; next_mm: |H g| there.
+  /// u: the present state; next_mm: d there.
   double operator()(const NodeArray& u, double next_mm) const;
 
  private:
-  static constexpr int every_ = 10;
-  NodeArray older_, newer_;
-  int count_ = -1;  // iterates since newer_; -1: nothing is known
-  bool has_older_ = false;
+  static constexpr int every_ = 5;
+  std::array<NodeArray, 3> past_;  // the newest first
+  int known_ = 0;                  // of them
+  int since_ = 0;                  // iterates since the newest
 };
 
 }  // namespace limberg::fem

@@ -183,6 +183,18 @@ void LbfgsSolver::begin_or_end_untangling(Value& value, bool dynamic) {
   value = evaluate(u_, g_, true);
 }
 
+// The gradient at u_ must be in g_.
+double LbfgsSolver::next_move_mm(const std::function<void(const NodeArray&, NodeArray&)>& metric) {
+  const NodeArray* g = &g_;
+  if (AlignedArray<float> q; !untangling_ && elements_->settle_multipliers(q)) {
+    evaluate(u_, g_try_, false);
+    elements_->swap_multipliers(q);
+    g = &g_try_;
+  }
+  history_.direction(*g, d_, metric, engine_);
+  return engine_.max_node(d_);
+}
+
 StepReport LbfgsSolver::step(const StepSettings& s) {
   if (!model_) throw InputError("", 0, "a step was asked for before a model was given");
   if (s.afresh) forget();
@@ -220,6 +232,7 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
   bool looked = true;  // the last evaluation was at u_
   NodeArray u_first;
   if (s.most_move_mm > 0) u_first = u_;
+  distance_.begin(u_);
   StallWatch watch;
   while (report.iterations < s.max_iterations) {
     if (s.tolerance > 0 && relative_residual() <= s.tolerance) {
@@ -268,8 +281,7 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
       report.residual > tangled_residual && elements_->inverted() > tangled_cells * double(elements_->cells());
   tangled_iterations_ = tangled && !untangling_ ? tangled_iterations_ + report.iterations : 0;
   if (own_.estimate_error) {
-    history_.direction(g_, d_, metric, engine_);
-    report.distance_mm = distance_(u_, engine_.max_node(d_));
+    report.distance_mm = distance_(u_, next_move_mm(metric));
   }
   report.energy_uJ = value.energy + elements_->energy_to_primal();
   report.converged = s.tolerance > 0 && report.residual <= s.tolerance;

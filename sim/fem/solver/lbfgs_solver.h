@@ -100,6 +100,7 @@ class LbfgsSolver final : public ElasticSolver {
   enum class Search { moved, stuck };
   Search search(Value& value, double slope);
   double relative_residual() const;
+  double next_move_mm(const std::function<void(const NodeArray&, NodeArray&)>& metric);  // distance_estimate.h
   void begin_or_end_untangling(Value& value, bool dynamic);
   bool every_piece_is_held() const;
   void give_metric_springs();

@@ -11,42 +11,44 @@
 namespace limberg {
 namespace test_distance_estimate {
 
-// Jumps and small moves of a hook, at frames of 5, 10 and 20 iterations. The factor is that of distance_estimate.h,
-// with room for so few frames (`limberg bench verification` measures it on the shipped operations too).
-TEST(DistanceEstimate, NineFramesOfTenAreWithinAFactorOfFour) {
+// Jumps and small moves of a hook, at frames of 5, 10 and 20 iterations. What an honest distance has to keep: never less
+// than a third of the truth, at the median not more than five times it (`limberg bench verification` measures operations,
+// with contact, too). At .49 most of the way is hidden while multipliers have not arrived.
+TEST(DistanceEstimate, IsNeverLessThanAThirdOfTheTruthAndNotFiveTimesItAtTheMedian) {
   InlineWorkers workers;
-  test::Random random(3);
-  std::vector<double> off;
-  for (int iterations : {5, 10, 20}) {
-    BenchScene s = bench_scene(16, 2, 0.45);
-    const auto solver = make_solver(workers);
-    solver->set_model(std::make_shared<FemModel>(s.model), {});
-    const Vec3 rest = s.springs.back().target_mm;
-    for (double size : {20.0, 3.0}) {
-      s.springs.back().target_mm = rest + random.vector(size) + Vec3(0, 0, size);
-      solver->set_springs(s.springs);
-      StepSettings set;
-      set.max_iterations = iterations, set.tolerance = 2e-6;
-      std::vector<std::vector<Vec3f>> u;
-      std::vector<double> stated;
-      for (int k = 0; k < 60; ++k) {
-        const StepReport r = solver->step(set);
-        u.emplace_back(solver->displacement_mm().begin(), solver->displacement_mm().end()),
-            stated.push_back(r.distance_mm);
-        if (r.converged) break;
-      }
-      for (size_t k = 0; k + 1 < u.size(); ++k) {
-        double truth = 0;
-        for (size_t i = 0; i < u[k].size(); ++i) truth = std::max(truth, double((u[k][i] - u.back()[i]).norm()));
-        if (truth > 2e-3) off.push_back(std::fabs(std::log(stated[k] / truth)));
+  std::vector<double> ratios;
+  for (double poisson : {0.45, 0.49}) {
+    test::Random random(3);
+    for (int iterations : {5, 10, 20}) {
+      BenchScene s = bench_scene(16, 2, poisson);
+      const auto solver = make_solver(workers);
+      solver->set_model(std::make_shared<FemModel>(s.model), {});
+      const Vec3 rest = s.springs.back().target_mm;
+      for (double size : {20.0, 3.0}) {
+        s.springs.back().target_mm = rest + random.vector(size) + Vec3(0, 0, size);
+        solver->set_springs(s.springs);
+        StepSettings set;
+        set.max_iterations = iterations, set.tolerance = 2e-6;
+        std::vector<std::vector<Vec3f>> u;
+        std::vector<double> stated;
+        for (int k = 0; k < 200; ++k) {
+          const StepReport r = solver->step(set);
+          u.emplace_back(solver->displacement_mm().begin(), solver->displacement_mm().end()),
+              stated.push_back(r.distance_mm);
+          if (r.converged) break;
+        }
+        for (size_t k = 0; k + 1 < u.size(); ++k) {
+          double truth = 0;
+          for (size_t i = 0; i < u[k].size(); ++i) truth = std::max(truth, double((u[k][i] - u.back()[i]).norm()));
+          if (truth > 2e-3) ratios.push_back(stated[k] / truth);
+        }
       }
     }
   }
-  ASSERT_GT(off.size(), 20u);
-  std::sort(off.begin(), off.end());
-  const double factor = std::exp(off[off.size() * 9 / 10]);
-  RecordProperty("factor", std::to_string(factor));
-  EXPECT_LT(factor, 4) << "of " << off.size() << " frames";
+  ASSERT_GT(ratios.size(), 40u);
+  std::sort(ratios.begin(), ratios.end());
+  EXPECT_GT(ratios.front(), 1. / 3);
+  EXPECT_LT(ratios[ratios.size() / 2], 5);
 }
 
 TEST(DistanceEstimate, IsNothingAtRestAndAfterUndo) {

@@ -271,6 +271,33 @@ TEST(Stitch, ABiteDrawsItsEdgeAndAPointCutsIn) {
   EXPECT_LT(bite, 0.5 * point);
 }
 
+// While a stitch or a thread is drawn, what is still to be drawn counts: the tissue is never more than three times
+// farther from where it will rest than is stated.
+TEST(Stitch, InTheActItSaysHowFarItHasToGo) {
+  const Slit rows;
+  for (const Command& act : {Command(Suture{{0, 0.6}, {0, 2.2}}), Command(rows.row(0))}) {
+    Slit s;
+    must(s.world, act);
+    std::vector<std::vector<Vec3f>> u;
+    std::vector<double> stated;
+    StepSettings frame;
+    do {
+      stated.push_back(s.world.step(frame).distance_mm);
+      const auto now = s.world.skin()->solver().displacement_mm();
+      u.emplace_back(now.begin(), now.end());
+    } while (!s.world.settled() && u.size() < 200);
+    ASSERT_TRUE(s.world.settled());
+    EXPECT_GT(u.size(), 2u);
+    settle(s.world);
+    const auto rest = s.world.skin()->solver().displacement_mm();
+    for (size_t k = 0; k < u.size(); ++k) {
+      double truth = 0;
+      for (size_t i = 0; i < rest.size(); ++i) truth = std::max(truth, double((u[k][i] - rest[i]).norm()));
+      EXPECT_GT(3 * stated[k], truth - 2e-3) << "frame " << k << " of " << u.size();
+    }
+  }
+}
+
 // Cells of 6 mm on 60 mm: one begins at x = 0.
 TEST(Stitch, OneIsEnoughWhereTwoCellsMeet) {
   WorldSpec spec = block();
