@@ -1,5 +1,5 @@
-// The distance to equilibrium that frames state, over seeded operations: hooks, cuts, undermining and stitches, with and
-// without fibres, contact and divided fronts, at Poisson's ratios up to .499; frames while a stitch is drawn count too.
+// The distance to equilibrium that frames state, over seeded operations: hooks, cuts, undermining and stitches, with
+// and without fibres, contact and divided fronts, at Poisson's ratios up to .499; frames while a stitch is drawn count.
 #include <fmt/format.h>
 
 #include <algorithm>

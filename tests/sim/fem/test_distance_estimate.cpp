@@ -11,9 +11,9 @@
 namespace limberg {
 namespace test_distance_estimate {
 
-// Jumps and small moves of a hook, at frames of 5, 10 and 20 iterations. What an honest distance has to keep: never less
-// than a third of the truth, at the median not more than five times it (`limberg bench verification` measures operations,
-// with contact, too). At .49 most of the way is hidden while multipliers have not arrived.
+// Jumps and small moves of a hook, at frames of 5, 10 and 20 iterations. What an honest distance has to keep: never
+// less than a third of the truth, at the median not more than five times it (`limberg bench verification` measures
+// operations, with contact, too). At .49 most of the way is hidden while multipliers have not arrived.
 TEST(DistanceEstimate, IsNeverLessThanAThirdOfTheTruthAndNotFiveTimesItAtTheMedian) {
   InlineWorkers workers;
   std::vector<double> ratios;
