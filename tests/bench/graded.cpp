@@ -52,6 +52,7 @@ struct PatchLattice {
   std::string name;
   double cell_mm;
   Grading grading;
+  std::string like = {};  // the uniform lattice of its smallest cells
 };
 
 Grading around_patch(std::initializer_list<std::array<double, 3>> radius_depth_level) {
@@ -66,13 +67,17 @@ Grading around_patch(std::initializer_list<std::array<double, 3>> radius_depth_l
 
 std::vector<PatchLattice> patch_lattices(bool quick) {
   std::vector<PatchLattice> all{{"5 mm", 5, {}}, {"3.5 mm", 3.5, {}}};
-  if (!quick) all.push_back({"2.5 mm", 2.5, {}}), all.push_back({"1.75 mm", 1.75, {}});
-  all.push_back({"5 mm, 2.5 within 10", 5, around_patch({{10, kNoLimit_mm, 1}})});
+  if (!quick)
+    for (const double h : {2.5, 1.75, 1.25}) all.push_back({fmt::format("{:g} mm", h), h, {}});
+  all.push_back({"5 mm, 2.5 within 10", 5, around_patch({{10, kNoLimit_mm, 1}}), "2.5 mm"});
   if (!quick) {
-    all.push_back({"5 mm, 2.5 within 16", 5, around_patch({{16, kNoLimit_mm, 1}})});
-    all.push_back({"5 mm, 2.5 within 14, 1.25 within 7 and 3 deep", 5, around_patch({{14, 12, 1}, {7, 3, 2}})});
-    all.push_back({"5 mm, 1.25 within 10 and 3 deep", 5, around_patch({{10, 3, 2}})});
-    all.push_back({"3.5 mm, 1.75 within 10", 3.5, around_patch({{10, kNoLimit_mm, 1}})});
+    all.push_back({"5 mm, 2.5 within 16", 5, around_patch({{16, kNoLimit_mm, 1}}), "2.5 mm"});
+    all.push_back({"5 mm, 2.5 within 16, 1.25 within 8 and 3 deep", 5, around_patch({{16, kNoLimit_mm, 1}, {8, 3, 2}}),
+                   "1.25 mm"});
+    all.push_back({"5 mm, 1.25 within 8", 5, around_patch({{8, kNoLimit_mm, 2}}), "1.25 mm"});
+    all.push_back({"5 mm, 1.25 within 16", 5, around_patch({{16, kNoLimit_mm, 2}}), "1.25 mm"});
+    all.push_back({"3.5 mm, 1.75 within 10", 3.5, around_patch({{10, kNoLimit_mm, 1}}), "1.75 mm"});
+    all.push_back({"3.5 mm, 1.75 within 16", 3.5, around_patch({{16, kNoLimit_mm, 1}}), "1.75 mm"});
   }
   return all;
 }
@@ -126,12 +131,17 @@ void patch(Result& out, const GradedSettings& set) {
       const Vec3 move = patch_move(l, up ? Vec3(0, 0, 0.01) : Vec3(0.02, 0, 0));
       const double time = cpu_ms() - before;
       const double error = 100 * 50 * (up ? move.z() / kUpwards_mm : move.x() / kAlong_mm) - 100;
-      (up ? upwards : along).push_back({p.name, l.m->X_mm.size(), time, error, !p.grading.empty()});
-      out.rows.push_back({std::string("skin on fat, a patch pulled ") + (up ? "upwards" : "along"),
-                          p.grading.empty() ? "uniform" : "graded",
-                          fmt::format("{}: {} nodes; {:.2f} ms a step, {} iterations to rest{}", p.name,
-                                      l.m->X_mm.size(), live.step_ms, live.iterations, live.at_rest ? "" : " (not)"),
-                          time, false, error, "%", "CalculiX, 20-node hexahedra", true});
+      std::vector<Subject>& all = up ? upwards : along;
+      std::string from;
+      for (const Subject& u : all)
+        if (u.name == p.like) from = fmt::format(", {:+.1f} % from uniform {}", error - u.error, p.like);
+      all.push_back({p.name, l.m->X_mm.size(), time, error, !p.grading.empty()});
+      out.rows.push_back(
+          {std::string("skin on fat, a patch pulled ") + (up ? "upwards" : "along"),
+           p.grading.empty() ? "uniform" : "graded",
+           fmt::format("{}: {} nodes; {:.2f} ms a step, {} iterations to rest{}{}", p.name, l.m->X_mm.size(),
+                       live.step_ms, live.iterations, live.at_rest ? "" : " (not)", from),
+           time, false, error, "%", "CalculiX, 20-node hexahedra", true});
     }
   }
   compare(out, "along", along), compare(out, "upwards", upwards);
@@ -193,6 +203,14 @@ FlapFigures carry_out(const Scene& scene, const std::shared_ptr<const Body>& bod
   return f;
 }
 
+std::string figures_of(const FlapFigures& f) {
+  return fmt::format(
+      "{} nodes, {:.0f} ms; a step {:.1f} ms, longest {:.1f}; closure {:.3f} N, largest stitch {:.3f} N, "
+      "dog-ear {:.2f} mm, stress p95 {:.1f} kPa; residual {:.0e}",
+      f.nodes, f.cpu_ms, f.steps.median(), f.steps.percentile(1), f.key.closure_force_N, f.key.suture_force_max_N,
+      f.key.dog_ear_mm, f.key.stress_p95_kPa, f.residual);
+}
+
 void rhomboid(Result& out, const GradedSettings& set) {
   const Scene scene = load_scene(shipped_file("app/scenes/rhomboid.toml"));
   const std::shared_ptr<const Body> body = build_body(scene);
@@ -202,6 +220,7 @@ void rhomboid(Result& out, const GradedSettings& set) {
   for (const FlapLattice& l : all) {
     if (set.progress) set.progress("rhomboid, " + l.name);
     made.push_back(carry_out(scene, body, script, l));
+    if (set.progress) set.progress(figures_of(made.back()));
   }
   const FlapFigures& finest = made.back();
   std::vector<Subject> closure, ear;
@@ -220,12 +239,9 @@ void rhomboid(Result& out, const GradedSettings& set) {
          i + 1 == all.size() ? "reference"
          : is_graded         ? "graded"
                              : "uniform",
-         fmt::format(
-             "{}: {} nodes; a step {:.1f} ms, longest {:.1f}; closure {:.3f} N, largest stitch {:.3f} N ({:+.0f} "
-             "%), dog-ear {:.2f} mm ({:+.0f} %), stress p95 {:.1f} kPa ({:+.0f} %); residual {:.0e}",
-             all[i].name, f.nodes, f.steps.median(), f.steps.percentile(1), f.key.closure_force_N,
-             f.key.suture_force_max_N, off(f.key.suture_force_max_N, finest.key.suture_force_max_N), f.key.dog_ear_mm,
-             ear_off, f.key.stress_p95_kPa, off(f.key.stress_p95_kPa, finest.key.stress_p95_kPa), f.residual),
+         fmt::format("{}: {}; largest stitch {:+.0f} %, dog-ear {:+.0f} %, stress p95 {:+.0f} %", all[i].name,
+                     figures_of(f), off(f.key.suture_force_max_N, finest.key.suture_force_max_N), ear_off,
+                     off(f.key.stress_p95_kPa, finest.key.stress_p95_kPa)),
          f.cpu_ms, false, closure_off, "%", "uniform, " + all.back().name, f.residual <= 1e-4});
   }
   compare(out, "rhomboid, closure force", closure), compare(out, "rhomboid, dog-ear", ear);
