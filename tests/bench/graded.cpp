@@ -167,6 +167,8 @@ std::vector<FlapLattice> flap_lattices(bool quick) {
           {"2.5 mm", 2.5, {}},
           {"5 mm, 2.5 at the wound", 5, {}, 1},
           {"3.5 mm, 1.75 at the wound", 3.5, {}, 1},
+          {"2.5 mm, 1.25 at the wound", 2.5, {}, 1},
+          {"3.5 mm, 0.88 at the wound", 3.5, {}, 2},
           {"5 mm, 2.5 within 30", 5, zone(30, 1, 4.5)},
           {"3.5 mm, 1.75 within 30, 4 deep", 3.5, zone(30, 1, 4)},
           {"1.75 mm", 1.75, {}}};
