@@ -125,7 +125,10 @@ std::shared_ptr<const FemModel> with_mooney_rivlin(const FemModel& from) {
     const MeanShape shape(s, m->cell_mm);
     const LawPtr law = mooney_rivlin(0.35 * shape.mu_kPa, 0.15 * shape.mu_kPa);
     m->laws.push_back(law);
-    s = fem::law_stencil(m->cell_mm, int32_t(m->laws.size()) - 1, *law, s.lambda_kPa, s.density_kg_mm3, shape.M);
+    const uint8_t level = s.level;
+    s = fem::law_stencil(cell_size_mm(m->cell_mm, level), int32_t(m->laws.size()) - 1, *law, s.lambda_kPa,
+                         s.density_kg_mm3, shape.M);
+    s.level = level;
   }
   return m;
 }
@@ -159,10 +162,11 @@ std::shared_ptr<const FemModel> with_tetrahedra(const FemModel& from) {
       for (const auto& h : halves(parity)) {
         Mat3 D;  // columns: the three corners from the centre
         for (int i = 0; i < 3; ++i)
-          for (int k = 0; k < 3; ++k) D(k, i) = ((h[size_t(i)] >> k & 1) ? 0.5 : -0.5) * m->cell_mm[k];
+          for (int k = 0; k < 3; ++k)
+            D(k, i) = ((h[size_t(i)] >> k & 1) ? 0.5 : -0.5) * cell_size_mm(m->cell_mm, s.level)[k];
         Stencil t;
         t.volume_mm3 = std::fabs(D.determinant()) / 6;
-        t.mu_kPa = s.mu_kPa, t.density_kg_mm3 = s.density_kg_mm3;
+        t.mu_kPa = s.mu_kPa, t.density_kg_mm3 = s.density_kg_mm3, t.level = s.level;
         Eigen::Matrix<double, 8, 3> G = Eigen::Matrix<double, 8, 3>::Zero();
         G.middleRows<3>(1) = D.inverse();
         G.row(0) = -G.middleRows<3>(1).colwise().sum();

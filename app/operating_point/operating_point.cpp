@@ -20,6 +20,19 @@ void put(toml::table& root, const char* table, const char* key, T value) {
   root[table].as_table()->insert_or_assign(key, value);
 }
 
+// Smaller cells keep their share of cell_mm.
+void scale_fine_cells(toml::table& root, double by) {
+  const auto scale = [by](toml::table* t, const char* key) {
+    if (!t) return;
+    const auto size_mm = (*t)[key].value<double>();
+    if (size_mm) t->insert_or_assign(key, std::stod(fmt::format("{:.6g}", *size_mm * by)));
+  };
+  toml::table* lattice = root["lattice"].as_table();
+  scale(lattice, "wound_cell_mm");
+  if (toml::array* fine = lattice ? (*lattice)["fine"].as_array() : nullptr)
+    for (toml::node& zone : *fine) scale(zone.as_table(), "cell_mm");
+}
+
 /// operating_point
 struct ResultOperatingPoint {
   Maybe cell_mm;
@@ -38,6 +51,7 @@ void fields(ResultOperatingPoint& x, auto&& f) {
 Scene at_operating_point(const Scene& scene, double cell_mm, int iterations) {
   toml::table root = toml::parse(scene.text, scene.path);
   put(root, "lattice", "cell_mm", std::stod(fmt::format("{:.6g}", cell_mm)));
+  scale_fine_cells(root, cell_mm / scene.cell_mm);
   put(root, "solver", "iterations_per_step", int64_t(iterations));
   std::ostringstream text;
   text << root << "\n";

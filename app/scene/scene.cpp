@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "app/scene/scene_head_read.h"
+#include "app/scene/scene_lattice.h"
 #include "app/scene/scene_layers.h"
 #include "app/scene/toml_table.h"
 #include "sim/base/error.h"
@@ -108,17 +109,7 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
           return library.emplace(parse_tissues(s.tissues, file, *s.laws));
         });
 
-  Table lattice = section(root, "lattice", path);
-  lattice.real("cell_mm", s.cell_mm, 0.2, 100);
-  if (s.flesh && s.source == Scene::Source::block && s.cell_mm > s.block.size_mm.minCoeff())
-    lattice.fail("cell_mm", "is " + number(s.cell_mm) + ", larger than the block's side of " +
-                                number(s.block.size_mm.minCoeff()) + " mm; expected cells that fit into it");
-  if (s.flesh && s.source == Scene::Source::block && s.block.size_mm.prod() / (s.cell_mm * s.cell_mm * s.cell_mm) > 2e6)
-    lattice.fail("cell_mm", "makes more than 2 million cells; expected larger cells");
-  lattice.boolean("refine_fronts", s.refine_fronts);
-  lattice.boolean("refine_pockets", s.refine_pockets);
-  lattice.real("region_mm", s.region_mm, 0, 1e5);
-  lattice.finish();
+  read_lattice(root, path, s);
 
   Table build = section(root, "build", path);
   build.boolean("can_cut", s.can_cut);
@@ -234,11 +225,13 @@ std::shared_ptr<const Body> build_body(const Scene& scene, SurfaceReport* report
       throw InputError(scene.path, 0,
                        "lattice.cell_mm is " + number(scene.cell_mm) + ", larger than the surface's smallest side of " +
                            number(side) + " mm; expected cells that fit into it");
+    check_fine_places(scene, body);
     return body;
   }
   auto body = std::make_shared<Body>(make_block(scene.block));
   body->laws = scene.laws;
   if (report) *report = validate_surface(body->surface, body->grid, scene.path);
+  check_fine_places(scene, body);
   return body;
 }
 
@@ -253,6 +246,7 @@ WorldSpec world_spec(const Scene& scene, std::shared_ptr<const Body> body) {
   w.refine_fronts = scene.refine_fronts;
   w.refine_pockets = scene.refine_pockets;
   w.region_mm = scene.region_mm;
+  w.fine = scene.fine, w.wound_level = scene.wound_level;
   w.dynamic = scene.dynamic;
   w.contact = scene.contact;
   w.seed = scene.seed;

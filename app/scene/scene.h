@@ -18,7 +18,8 @@
 //                divided; false), refine_pockets (then also at the rim of
 //                what is undermined; true), region_mm (> 0: tissue farther
 //                than this from the chart's origin holds still and costs
-//                the solver nothing; 0, the default: all of it moves)
+//                the solver nothing; 0, the default: all of it moves),
+//                wound_cell_mm and fine (smaller cells: scene_lattice.h)
 //   [build]      can_cut, dynamic, contact = "auto" | true | false
 //                (do wound surfaces keep each other out? auto: as
 //                soon as something has been cut, the default)
@@ -66,6 +67,9 @@ struct Scene {
   double cell_mm = 3.5;
   bool refine_fronts = false, refine_pockets = true;
   double region_mm = 0;
+  std::vector<FineZone> fine;  // smaller cells, as parts of cell_mm
+  std::vector<int> fine_line;  // where in the file each stands
+  int wound_level = 0;
   bool can_cut = true, dynamic = false;
   ContactChoice contact = ContactChoice::automatic;
   double suture_N_per_mm = 20, suture_bite_mm = 1, hook_N_per_mm = 0.5;

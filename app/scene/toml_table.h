@@ -115,6 +115,20 @@ class Table {
       value.push_back({*v[0], *v[1]});
     }
   }
+  /// A place on the skin, [x, y] in mm.
+  void place(const char* key, Vec2& value) {
+    const toml::node* n = take(key);
+    if (!n) return;
+    const toml::array* a = n->as_array();
+    for (size_t i = 0; i < 2; ++i) {
+      const std::optional<double> v =
+          a && a->size() == 2 && a->get(i)->is_number() ? a->get(i)->value<double>() : std::nullopt;
+      if (!v || !(std::abs(*v) <= 1e4)) fail(key, "is no place; expected [x, y] in mm");
+      value[Eigen::Index(i)] = *v;
+    }
+  }
+  /// Whatever stands there; nullptr when nothing does.
+  const toml::node* node(const char* key) { return take(key); }
   /// A table inside this one; nullptr when there is none.
   const toml::table* table(const char* key) {
     const toml::node* n = take(key);

@@ -102,32 +102,60 @@ static bool needs_division(CellBuilder& builder, const CellPlace& p, std::span<c
   return p.level < 2 ? builder.holds_front(p.at, faces) : builder.front_reach(p.at, faces) > kStraight;
 }
 
+// Whether a blade has cut through the cell.
+static bool is_wounded(const CellComponents& held, const MaterialSurface& surface) {
+  return std::any_of(held.face.begin(), held.face.end(), [&](int32_t f) {
+    const Face& face = surface.faces[size_t(f)];
+    return face.live() && surface.orig[size_t(face.orig)].op > 0;
+  });
+}
+
+/// f(cell of that level, or the undivided coarser one that holds it), for the 26 around a place.
+template <class F>
+static void cells_touching(const LatticeTopology& t, const CellPlace& p, const F& f) {
+  const LatticeGrid g = t.grid.at_level(p.level);
+  for (int k = 0; k < 27; ++k) {
+    const Int3 n{p.at.x + k % 3 - 1, p.at.y + k / 3 % 3 - 1, p.at.z + k / 9 - 1};
+    if (n.x < 0 || n.y < 0 || n.z < 0 || n.x >= g.count.x || n.y >= g.count.y || n.z >= g.count.z) continue;
+    f(t.tree.find(t.grid, p.level, n));
+  }
+}
+
 std::vector<int32_t> cells_to_divide(const LatticeTopology& t, LevelBuilders& builders,
                                      std::vector<int32_t>& candidates) {
   std::array<std::vector<int32_t>, kLevels> wanted;  // per level
-  if (t.front_levels == 0) return {};
+  if (!t.divides()) return {};
   NumberSet known(size_t(t.tree.ids()));
   const auto want = [&](auto&& self, int32_t cell, const CellPlace& p) -> void {
     if (!known.add(cell)) return;
     wanted[size_t(p.level)].push_back(cell);
     if (p.level == 0) return;
     // All that the parts of this one will touch must be divided as often as this one is.
-    const LatticeGrid g = t.grid.at_level(p.level);
-    for (int k = 0; k < 27; ++k) {
-      const Int3 n{p.at.x + k % 3 - 1, p.at.y + k / 3 % 3 - 1, p.at.z + k / 9 - 1};
-      if (n.x < 0 || n.y < 0 || n.z < 0 || n.x >= g.count.x || n.y >= g.count.y || n.z >= g.count.z) continue;
-      const int32_t other = t.tree.find(t.grid, p.level, n);
-      if (classes_in(t, other) == 0) continue;
+    cells_touching(t, p, [&](int32_t other) {
+      if (classes_in(t, other) == 0) return;
       if (const CellPlace q = t.tree.place(t.grid, other); q.level < p.level) self(self, other, q);
-    }
+    });
   };
+  const bool zones = !t.grading.zones.empty();
   std::erase_if(candidates, [&](int32_t cell) {
     const auto& comp = t.components[size_t(cell)];
-    if (!comp || t.tree.is_divided(cell)) return true;
+    if ((!comp && !zones) || t.tree.is_divided(cell) || classes_in(t, cell) == 0) return true;
     const CellPlace p = t.tree.place(t.grid, cell);
-    if (p.level >= t.front_levels || !needs_division(builders[p.level], p, comp->face)) return true;
-    want(want, cell, p);
-    return false;
+    const bool wounded = t.grading.wound_level > 0 && comp && is_wounded(*comp, builders.surface());
+    int level = wounded ? t.grading.wound_level : 0;
+    if (zones && p.level >= level) {
+      const LatticeGrid g = t.grid.at_level(p.level);
+      level = std::max(level, zone_level(t.grading, g.node_mm(p.at), g.node_mm({p.at.x + 1, p.at.y + 1, p.at.z + 1})));
+    }
+    bool wants = p.level < level;
+    if (comp && !wants && p.level < t.front_levels) wants = needs_division(builders[p.level], p, comp->face);
+    if (wants) return want(want, cell, p), false;
+    if (wounded && p.level == t.grading.wound_level)  // what touches it is as fine
+      cells_touching(t, p, [&](int32_t other) {
+        if (classes_in(t, other) == 0) return;
+        if (const CellPlace q = t.tree.place(t.grid, other); q.level < p.level) wants = true, want(want, other, q);
+      });
+    return !wants;
   });
   for (std::vector<int32_t>& list : wanted) {  // the coarsest first: what they need may not be there yet
     if (list.empty()) continue;

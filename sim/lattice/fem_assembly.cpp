@@ -32,7 +32,7 @@ class Assembly {
   float scale(double fraction, int level, int32_t stencil) const {
     const double whole = whole_mm3_ / double(1 << 3 * level), body = table_.body_mm3(stencil);
     if (body != whole) return float(std::max(fraction, kLeastFraction) * whole / body);
-    return fraction > counts_as_full(t_.front_levels > 0, level) ? 1.0f : float(std::max(fraction, kLeastFraction));
+    return fraction > counts_as_full(t_.divides(), level) ? 1.0f : float(std::max(fraction, kLeastFraction));
   }
   double mass_kg(const CellCopy& copy, const HexCell& cell) const {
     int32_t stencil = cell.stencil;
@@ -181,6 +181,7 @@ std::shared_ptr<const FemModel> assemble_fem(const StencilTable& table, const La
                                              const EarlierModel* before) {
   auto model = std::make_shared<FemModel>();
   model->cell_mm = t.grid.cell_mm();
+  model->graded = !t.grading.empty();
   model->parent = t.node_parent;
   for (const auto& b : t.born) {
     BornNode born{b.node, {}};

@@ -65,6 +65,7 @@ class StencilTable {
   void fill_general(const Skin& skin, const LatticeGrid& grid);
   void find_held(const Skin& skin, const LatticeGrid& grid);
   HeldCorners held_corners(Int3 cell);
+  HeldCorners held_part(const LatticeGrid& grid, Int3 at, int level) const;
   std::pair<Stencil, double> cut_cell(const CellCutter& cutter, const CellSamples& samples, const HeldCorners& held,
                                       const Vec3& centre_mm, double depth_mm) const;
   int32_t add(const Stencil& s, double body_mm3) const;
@@ -74,7 +75,8 @@ class StencilTable {
   std::vector<LayerMatter> matter_;  // per layer
   std::vector<LawPtr> laws_;
   mutable SharedArray<Stencil> stencils_;
-  mutable std::vector<double> body_mm3_;  // per stencil
+  mutable std::vector<double> body_mm3_;                    // per stencil
+  mutable std::map<uint64_t, std::vector<int32_t>> alike_;  // stencils by a hash of some of their numbers
   std::vector<int32_t> of_cell_;
   std::vector<uint8_t> fixed_;
   SidedPatch held_surface_;         // of a body that is no block; empty: nothing holds it

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "sim/base/error.h"
+#include "sim/base/hash.h"
 #include "sim/lattice/held_cells.h"
 
 namespace limberg {
@@ -169,9 +170,18 @@ class StencilTable::Sampler {
   Skin::Near near_;
 };
 
+static uint64_t some_of(const Stencil& s, double body_mm3) {
+  Hash64 h;
+  for (double x : {s.K(0, 0), s.K(0, 1), s.volume_mm3, s.p0_kPa, body_mm3}) h.add(x + 0.0);  // no zero below zero
+  return h.value();
+}
+
 int32_t StencilTable::intern(const Stencil& s, double body_mm3) const {
-  for (size_t i = 0; i < stencils_.size(); ++i) {
-    const Stencil& o = stencils_[i];
+  const auto alike = alike_.find(some_of(s, body_mm3));
+  if (alike == alike_.end()) return add(s, body_mm3);
+  for (const int32_t at : alike->second) {
+    const size_t i = size_t(at);
+    const Stencil& o = std::as_const(stencils_)[i];
     if (body_mm3_[i] == body_mm3 && o.K == s.K && o.volume_mm3 == s.volume_mm3 && o.mu_kPa == s.mu_kPa &&
         o.lambda_kPa == s.lambda_kPa && o.p0_kPa == s.p0_kPa && o.sample == s.sample &&
         o.density_kg_mm3 == s.density_kg_mm3 && o.level == s.level && o.slide_kPa == s.slide_kPa &&
@@ -296,6 +306,7 @@ std::pair<Stencil, double> StencilTable::cut_cell(const CellCutter& cutter, cons
 int32_t StencilTable::add(const Stencil& s, double volume_mm3) const {
   stencils_.push_back(s);
   body_mm3_.push_back(volume_mm3);
+  alike_[some_of(s, volume_mm3)].push_back(int32_t(stencils_.size()) - 1);
   return int32_t(stencils_.size()) - 1;
 }
 
@@ -382,6 +393,29 @@ HeldCorners StencilTable::held_corners(Int3 cell) {
   return c;
 }
 
+// The same of a part of a cell.
+HeldCorners StencilTable::held_part(const LatticeGrid& grid, Int3 at, int level) const {
+  HeldCorners c;
+  if (held_surface_.empty()) return c;
+  const int32_t size = kEighths >> level;
+  std::array<Int3, 8> corner;
+  std::array<uint8_t, 8> may{};
+  bool any = false;
+  for (int k = 0; k < 8; ++k) {
+    const Int3 n{at.x + (k & 1), at.y + (k >> 1 & 1), at.z + (k >> 2 & 1)};
+    corner[size_t(k)] = n;
+    may[size_t(k)] = fixed_candidate({size * n.x, size * n.y, size * n.z});
+    any = any || may[size_t(k)];
+  }
+  if (!any) return c;
+  Bvh::Closest near;
+  for (size_t k = 0; k < 8; ++k) {
+    const double d = c.depth_mm[k] = held_surface_.depth_mm(grid.node_mm(corner[k]), near);
+    if (may[k] == kNearFixed || (may[k] == kFarFixed && d <= 0)) c.held |= uint8_t(1u << k);
+  }
+  return c;
+}
+
 // As the loop of fill_general, for one part of a cell.
 int32_t StencilTable::general_part(const LatticeGrid& grid, Int3 at, int level) const {
   const Vec3 h = grid.cell_mm(), low = grid.node_mm(at), centre = low + 0.5 * h;
@@ -390,9 +424,10 @@ int32_t StencilTable::general_part(const LatticeGrid& grid, Int3 at, int level) 
   const Skin::Place place = skin_->place(centre, near);
   const int upper = skin_->layer_at(place.depth_mm - reach), lower = skin_->layer_at(place.depth_mm + reach);
   const bool stretched = upper != lower || matter_[size_t(upper)].directed();
+  const HeldCorners held = held_part(grid, at, level);
   Stencil s;
   double volume = h.prod();
-  if (upper == lower && (!stretched || !(place.inside_mm < reach))) {
+  if (upper == lower && !held.held && (!stretched || !(place.inside_mm < reach))) {
     StretchFrame frame;
     if (stretched) {
       const Skin::Frame f = skin_->frame(centre);
@@ -402,8 +437,11 @@ int32_t StencilTable::general_part(const LatticeGrid& grid, Int3 at, int level) 
     finish_stencil(s);
   } else {
     CellSamples samples;
-    for (int n = 0; n < kSamples; ++n) samples[size_t(n)] = skin_->place(low + h.cwiseProduct(sample_place(n)), near);
-    std::tie(s, volume) = cut_cell(CellCutter(h, layer_ends(skin_->body())), samples, {}, centre, place.depth_mm);
+    if (held.held && upper == lower && !(std::abs(place.depth_mm) < reach))
+      samples = above_held(held, place);
+    else
+      for (int n = 0; n < kSamples; ++n) samples[size_t(n)] = skin_->place(low + h.cwiseProduct(sample_place(n)), near);
+    std::tie(s, volume) = cut_cell(CellCutter(h, layer_ends(skin_->body())), samples, held, centre, place.depth_mm);
   }
   s.level = uint8_t(level);
   return intern(s, volume);

@@ -84,9 +84,10 @@ void relink(LatticeTopology& t, LevelBuilders& builders, const LatticeTopology* 
   t.links.assign(links);
 }
 
-/// Divides what holds a front, until nothing is left to divide: tree and components. `named` as for divide_cells.
-void divide_fronts(LatticeTopology& t, LevelBuilders& builders, std::vector<int32_t> candidates,
-                   std::span<const uint8_t> named, NewParts& parts) {
+/// Divides what holds a front or is graded, until nothing is left to divide: tree and components. `named` as for
+/// divide_cells.
+void divide_all(LatticeTopology& t, LevelBuilders& builders, std::vector<int32_t> candidates,
+                std::span<const uint8_t> named, NewParts& parts) {
   for (;;) {
     const std::vector<int32_t> cells = cells_to_divide(t, builders, candidates);
     if (cells.empty()) return;
@@ -104,16 +105,16 @@ std::vector<uint8_t> marks_of(const LatticeTopology& t, std::span<const int32_t>
   return marks;
 }
 
-/// The version in which the fronts in these cells are divided; `before` is finished and has the same surface.
-std::shared_ptr<const LatticeTopology> with_divided_fronts(std::shared_ptr<const LatticeTopology> before,
-                                                           LevelBuilders& builders, std::vector<int32_t> candidates,
-                                                           bool locally) {
-  if (before->front_levels == 0) return before;
+/// The version in which these cells are divided as they need it; `before` is finished and has the same surface.
+std::shared_ptr<const LatticeTopology> with_divisions(std::shared_ptr<const LatticeTopology> before,
+                                                      LevelBuilders& builders, std::vector<int32_t> candidates,
+                                                      bool locally) {
+  if (!before->divides()) return before;
   auto t = std::make_shared<LatticeTopology>(*before);
   t->touched_cells = 0;
   NewParts parts;
   parts.known = t->tree.ids();
-  divide_fronts(*t, builders, std::move(candidates), {}, parts);
+  divide_all(*t, builders, std::move(candidates), {}, parts);
   if (parts.empty()) return before;
   if (!locally || !finish_locally(*t, builders, *before, {}, parts))
     finish_topology(*t, builders, before.get(), marks_of(*t, {}, parts), parts);
@@ -224,24 +225,26 @@ void finish_topology(LatticeTopology& t, LevelBuilders& builders, const LatticeT
 }
 
 std::shared_ptr<const LatticeTopology> build_topology(const LatticeGrid& grid, const MaterialSurface& surface,
-                                                      int front_levels) {
-  if (front_levels < 0 || front_levels > kLevels || (front_levels > 0 && !grid.divisible(kLevels)))
+                                                      int front_levels, const Grading& grading) {
+  check_grading(grading);
+  const bool divides = front_levels > 0 || !grading.empty();
+  if (front_levels < 0 || front_levels > kLevels || (divides && !grid.divisible(kLevels)))
     throw InputError("", 0,
                      "cells of this lattice cannot be divided; a pitch of a multiple of 16 half-units, and at most " +
                          std::to_string(kLevels) + " levels, were expected");
   LevelBuilders builders(grid, surface);
   auto t = build_whole(grid, surface, builders);
-  t->front_levels = front_levels;
+  t->front_levels = front_levels, t->grading = grading;
   std::vector<int32_t> all(t->components.size());
   std::iota(all.begin(), all.end(), 0);
-  return with_divided_fronts(t, builders, std::move(all), false);
+  return with_divisions(t, builders, std::move(all), false);
 }
 
 std::shared_ptr<const LatticeTopology> build_topology_like(const LatticeTopology& like,
                                                            const MaterialSurface& surface) {
   LevelBuilders builders(like.grid, surface);
   auto whole = build_whole(like.grid, surface, builders);
-  whole->front_levels = like.front_levels;
+  whole->front_levels = like.front_levels, whole->grading = like.grading;
   if (like.tree.division.empty()) return whole;
   auto t = std::make_shared<LatticeTopology>(*whole);
   NewParts parts;
@@ -383,9 +386,9 @@ std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& pr
     finish_topology(*t, builders, &previous, marks, parts);
     if (divide == Divide::nothing) return t;
     std::sort(changed.begin(), changed.end());
-    return with_divided_fronts(t, builders, std::move(changed), locally);
+    return with_divisions(t, builders, std::move(changed), locally);
   }
-  if (t->front_levels > 0 && divide == Divide::fronts) divide_fronts(*t, builders, touched, marks, parts);
+  if (t->divides() && divide == Divide::fronts) divide_all(*t, builders, touched, marks, parts);
   if (!locally || !finish_locally(*t, builders, previous, touched, parts))
     finish_topology(*t, builders, &previous, marks_of(*t, touched, parts), parts);
   return t;

@@ -31,6 +31,10 @@
 // was divided, with trilinear weights. Cells stay divided for the rest of the history (undo
 // goes back to the version of that time). An update may divide nothing (Divide): where a pocket
 // ends deep inside, nobody looks, and its long rim would cost most of the cells.
+//
+// Grading. grading.h names more cells to divide: those of a zone, be they cut or full, when the
+// lattice is built; those at a wound with each cut. Division, levels that touch, what hangs and
+// parents are the same as at fronts, whose levels count from the undivided cell here, too.
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -41,6 +45,7 @@
 #include "sim/base/workers.h"
 #include "sim/lattice/cell_tree.h"
 #include "sim/lattice/cells.h"
+#include "sim/lattice/grading.h"
 #include "sim/lattice/lattice.h"
 #include "sim/lattice/link_table.h"
 #include "sim/lattice/material_surface.h"
@@ -62,7 +67,9 @@ struct LatticeTopology {
   uint64_t hash() const;          // of cells, classes, corners and node copies: no floating point, no parents. O(cells)
 
   int front_levels = 0;  // how often cells at a front are divided: 0 to kLevels
+  Grading grading;       // which others are divided, and how often
   CellTree tree;
+  bool divides() const { return front_levels > 0 || !grading.empty(); }  // its cells can be divided
 
   ShortLists copies;  // per cell (an id of the tree; a divided one has none) its cell copies, by class
   int copies_of(int32_t cell) const { return copies.count(size_t(cell)); }
@@ -95,16 +102,18 @@ struct LatticeTopology {
   int walks = 0, walks_unresolved = 0;  // sums over cells
 };
 
-/// Throws InputError when the surface reaches beyond the lattice, or when
-/// its pitch cannot be halved `front_levels` times. Contradiction
-/// (contradiction.h): a surface whose gluing contradicts its material bits.
+/// Throws InputError when the surface reaches beyond the lattice, when the
+/// grading is none, or when cells are to be divided and its pitch cannot be
+/// halved kLevels times. Contradiction (contradiction.h): a surface whose
+/// gluing contradicts its material bits.
 std::shared_ptr<const LatticeTopology> build_topology(const LatticeGrid& grid, const MaterialSurface& surface,
-                                                      int front_levels = 0);
+                                                      int front_levels = 0, const Grading& grading = {});
 
 /// The same with the cells divided that are divided in `like`, in the same order, and no others.
 std::shared_ptr<const LatticeTopology> build_topology_like(const LatticeTopology& like, const MaterialSurface& surface);
 
-/// What an update divides of the cells that it touches: those in which a front lies, or none.
+/// What an update divides of the cells that it touches: those in which a front lies and those that the grading asks
+/// for, or none.
 enum class Divide : uint8_t { fronts, nothing };
 
 /// The version after the arrangement has changed. cell_parent and node_parent index `previous`.

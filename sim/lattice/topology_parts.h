@@ -75,9 +75,9 @@ void cells_beyond(const LatticeTopology& topology, int32_t cell, int axis, std::
 void find_links(const LatticeTopology& topology, LevelBuilders& builders, int32_t cell, int axis, int32_t next,
                 std::vector<Link>& out);
 
-/// Which cells must be divided next, ascending: those of `candidates` that hold a front, coarsest first, and before
-/// them what the grading needs. Empty when all is well. Candidates that need no division are dropped. Asks for
-/// components only, not for copies.
+/// Which cells must be divided next, ascending: those of `candidates` that hold a front or that the grading asks for,
+/// coarsest first, and before them what their neighbours need. Empty when all is well. Candidates that need no division
+/// are dropped. Asks for components only, not for copies.
 std::vector<int32_t> cells_to_divide(const LatticeTopology& topology, LevelBuilders& builders,
                                      std::vector<int32_t>& candidates);
 

@@ -1,5 +1,6 @@
 #include "sim/patient/tissue.h"
 
+#include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/cutting/strokes/blade_build.h"
 #include "sim/fem/solver/region_solver.h"
@@ -12,6 +13,20 @@ namespace {
 
 constexpr double kMissing_mm = 1.5;  // a point this near to living skin still means that skin (tracker noise at a rim)
 
+Grading grading_of(const WorldSpec& spec, const Skin& skin) {
+  Grading out;
+  if (spec.can_cut) out.wound_level = spec.wound_level;
+  for (const FineZone& f : spec.fine) {
+    const auto from = skin.at(f.at), to = skin.at(f.to);
+    if (!from || !to)
+      throw InputError(spec.body->name, 0,
+                       "a fine zone of the lattice lies off the skin at " + at_text(from ? f.to : f.at) +
+                           "; a place on the skin was expected");
+    if (f.level > 0) out.zones.push_back({from->X_mm, to->X_mm, -from->normal, f.radius_mm, f.depth_mm, f.level});
+  }
+  return out;
+}
+
 }  // namespace
 
 Tissue::Tissue(WorldSpec spec, Workers& workers)
@@ -21,9 +36,10 @@ Tissue::Tissue(WorldSpec spec, Workers& workers)
       workers_(workers),
       arrangement_(std::make_unique<Arrangement>(body_->surface, body_->grid)) {
   const int front_levels = spec_.can_cut && spec_.refine_fronts ? kLevels : 0;
-  const LatticeGrid grid = fit_lattice(*body_, spec_.cell_mm, front_levels);
+  const Grading grading = grading_of(spec_, *skin_);
+  const LatticeGrid grid = fit_lattice(*body_, spec_.cell_mm, front_levels > 0 || !grading.empty() ? kLevels : 0);
   stencils_ = std::make_unique<StencilTable>(*skin_, grid);
-  version_.lattice = build_topology(grid, material_surface(*arrangement_), front_levels);
+  version_.lattice = build_topology(grid, material_surface(*arrangement_), front_levels, grading);
   version_.model = hold_outside(assemble_fem(*stencils_, *version_.lattice), *body_, spec_.region_mm);
   make_surface(version_, draw_surface());
   initial_volume_mm3_ = arrangement_->volume_mm3();

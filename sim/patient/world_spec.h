@@ -1,7 +1,9 @@
 #pragma once
 // What the soft tissue of a patient is built from; made by app/ from a scene file, or by a researcher's own code.
 #include <cstdint>
+#include <limits>
 #include <memory>
+#include <vector>
 
 #include "sim/body/body.h"
 
@@ -11,6 +13,16 @@ struct FaultPlan;
 
 /// automatic: on where something has been cut that can touch.
 enum class ContactChoice : uint8_t { automatic, on, off };
+
+/// Cells within the radius of a place on the skin, or of a stretch from place to place, are divided so often. A part of
+/// the scene: with other cells (--cells) they are 1 / 2^level of those.
+struct FineZone {
+  ChartPoint at{0, 0}, to{0, 0};  // equal: a place
+  double radius_mm = 0;
+  double depth_mm = std::numeric_limits<double>::infinity();  // what lies deeper is left as it is
+  int level = 0;
+  bool operator==(const FineZone&) const = default;
+};
 
 struct WorldSpec {
   std::shared_ptr<const Body> body;
@@ -25,8 +37,10 @@ struct WorldSpec {
   // cells in which a cut ends are divided twice, three times where it runs askew, so that it opens to within a quarter
   // cell of its end
   bool refine_fronts = false;
-  bool refine_pockets = true;                  // with refine_fronts: at the rim of what is undermined too
-  bool dynamic = false;                        // false: quasi-static
+  bool refine_pockets = true;  // with refine_fronts: at the rim of what is undermined too
+  std::vector<FineZone> fine;  // the lattice's grading (lattice/grading.h)
+  int wound_level = 0;         // so often cells are divided that a blade goes through, and their neighbours
+  bool dynamic = false;        // false: quasi-static
   ContactChoice contact = ContactChoice::off;  // do wound surfaces keep each other out? (contact/contact_finder.h)
   uint64_t seed = 1;
   FaultPlan* fault = nullptr;  // tests only: lets steps of a cut fail (cutting/arrangement/fault.h)

@@ -130,6 +130,25 @@ TEST(Scene, EveryMistakeIsNamedWithItsLine) {
       {with("cell_mm", "cell_mm = -2"), 11, "cell_mm is -2"},
       {with("cell_mm", "cell_mm = nan"), 11, "nan"},
       {with("cell_mm", "cell_mm = true"), 11, "not a number"},
+      {kGood + "wound_cell_mm = 3\n", 12, "lattice.wound_cell_mm is 3; expected 0.25 to 2 mm"},
+      {kGood + "wound_cell_mm = 0.2\n", 12, "an eighth of cell_mm"},
+      {kGood + "wound_cell_mm = -1\n", 12, "from 0"},
+      {kGood + "fine = 3\n", 12, "lattice.fine is no list"},
+      {kGood + "fine = [3]\n", 12, "lattice.fine 1 is no table"},
+      {kGood + "fine = [{radius_mm = 3, cell_mm = 1}]\n", 12, "at_mm is missing"},
+      {kGood + "fine = [{at_mm = [0, 0], cell_mm = 1}]\n", 12, "radius_mm is missing"},
+      {kGood + "fine = [{at_mm = [0, 0], radius_mm = 3}]\n", 12, "cell_mm is missing"},
+      {kGood + "fine = [{at_mm = [0], radius_mm = 3, cell_mm = 1}]\n", 12, "is no place"},
+      {kGood + "fine = [{at_mm = [0, inf], radius_mm = 3, cell_mm = 1}]\n", 12, "is no place"},
+      {kGood + "fine = [{at_mm = [0, 0], to_mm = 4, radius_mm = 3, cell_mm = 1}]\n", 12, "to_mm is no place"},
+      {kGood + "fine = [{at_mm = [0, 0], radius_mm = 0, cell_mm = 1}]\n", 12,
+       "radius_mm is 0; expected a number above"},
+      {kGood + "fine = [{at_mm = [0, 0], radius_mm = 3, cell_mm = 1, depth_mm = -1}]\n", 12, "depth_mm is -1"},
+      {kGood + "fine = [{at_mm = [0, 0], radius_mm = 3, cell_mm = 1, size = 1}]\n", 12, "unknown key \"size\""},
+      {kGood +
+           "fine = [\n{at_mm = [0, 0], radius_mm = 3, cell_mm = 1},\n{at_mm = [1, 0], radius_mm = 3, cell_mm = 4}]\n",
+       14, "lattice.fine 2.cell_mm is 4; expected 0.25 to 2 mm"},
+      {kGood + "fine = [{at_mm = [0, 0], to_mm = [999, 0], radius_mm = 900, cell_mm = 0.25}]\n", 12, "2 million cells"},
       {kGood + "[solver]\niterations_per_step = 1.5\n", 13, "not an integer"},
       {kGood + "[solver]\nseed = -1\n", 13, "from 0"},
       {kGood + "[build]\ncan_cut = 1\n", 13, "neither true nor false"},
@@ -147,6 +166,41 @@ TEST(Scene, EveryMistakeIsNamedWithItsLine) {
       EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos) << e.what();
     }
   }
+}
+
+TEST(Scene, FineCellsArePartsOfCells) {
+  const Scene s = parse_scene(kGood + R"(wound_cell_mm = 0.9
+fine = [
+  {at_mm = [3, 4], radius_mm = 5, cell_mm = 0.5},
+  {at_mm = [-9, 0], to_mm = [9, 1], radius_mm = 2, cell_mm = 2, depth_mm = 3},
+  {at_mm = [0, 0], radius_mm = 1, cell_mm = 0.25},
+]
+)",
+                              "s.toml");
+  EXPECT_EQ(s.wound_level, 1);  // .9 mm is nearest to a half of 2 mm
+  ASSERT_EQ(s.fine.size(), 3u);
+  EXPECT_EQ(s.fine[0].level, 2);
+  EXPECT_TRUE(s.fine[0].to == ChartPoint(3, 4) && s.fine[0].depth_mm > 1e9);
+  EXPECT_EQ(s.fine[1].level, 0);
+  EXPECT_TRUE(s.fine[1].to == ChartPoint(9, 1) && s.fine[1].depth_mm == 3);
+  EXPECT_EQ(s.fine[2].level, 3);
+  const auto body = build_body(s);
+  const WorldSpec w = world_spec(s, body);
+  EXPECT_TRUE(w.fine == s.fine && w.wound_level == 1);
+  const WorldSpec plain = world_spec(parse_scene(kGood, "s.toml"), body);
+  EXPECT_TRUE(plain.fine.empty() && plain.wound_level == 0);
+
+  try {
+    build_body(
+        parse_scene(kGood + "fine = [\n  {at_mm = [0, 0], to_mm = [16, 0], radius_mm = 3, cell_mm = 1}]\n", "s"));
+    ADD_FAILURE() << "off the skin";
+  } catch (const InputError& e) {
+    EXPECT_EQ(e.line(), 13) << e.what();
+    EXPECT_NE(std::string(e.what()).find("[16, 0], off the skin"), std::string::npos) << e.what();
+  }
+  std::string many = "fine = [";
+  for (int i = 0; i < 40; ++i) many += "{at_mm = [0, 0], radius_mm = 1, cell_mm = 1},";
+  EXPECT_THROW(parse_scene(kGood + many + "]\n", "s"), InputError);
 }
 
 TEST(Scene, FilesThatAreNoScenes) {

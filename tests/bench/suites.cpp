@@ -18,6 +18,7 @@
 #include "tests/bench/fuzz.h"
 #include "tests/bench/fuzz/readers.h"
 #include "tests/bench/fuzz/world_runner.h"
+#include "tests/bench/graded.h"
 #include "tests/bench/head_face.h"
 #include "tests/bench/laws.h"
 #include "tests/bench/metric.h"
@@ -201,6 +202,10 @@ constexpr Suite kSuites[] = {
     {"frames", "what a picture costs at each quality and size, and what the solver loses beside it", "", true,
      run_frames},
     {"fuzz", "random cuts (or acts, device streams, files), every invariant", "", false, run_fuzz},
+    {"graded", "lattices that are fine where it matters, against uniform ones", "patch, rhomboid", false,
+     [](const Options& o) {
+       return only(graded({o.quick, o.only, o.progress}));
+     }},
     {"head", "the face that follows, each mode against the finite elements", "modes, session", false, run_head},
     {"laws", "iterations as tissue becomes incompressible, and layers thinner than a cell", "", false,
      [](const Options& o) {

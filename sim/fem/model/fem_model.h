@@ -164,7 +164,8 @@ struct FemModel {
   ParentList parent;
   std::vector<BornNode> born;  // ascending by node
   std::vector<HangingNode>
-      hanging;  // ascending by node; empty on a lattice without divided cells, and then costs nothing
+      hanging;          // ascending by node; empty on a lattice without divided cells, and then costs nothing
+  bool graded = false;  // many of its cells are parts: the multilevel cycle puts them together step by step
 };
 
 /// A material point carried by one cell copy: position = sum w_i x[node_i]; weights are rest-only and sum to 1.

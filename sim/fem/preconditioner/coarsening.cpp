@@ -14,28 +14,18 @@ constexpr int few_layers = 7;
 
 constexpr int32_t floor_div(int32_t a, int32_t b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
 
-/// The coarse corners with a weight at a place: per axis the low one, and the high one unless the place is on the low.
-struct Stance {
-  std::array<int32_t, 3> low;  // block coordinate of the low corner
-  std::array<float, 3> t;      // 0 <= t < 1
-  Stance(const std::array<int32_t, 3>& at, const BlockRule& r) {
-    for (size_t i = 0; i < 3; ++i) {
-      low[i] = floor_div(at[i] - r.origin[i], r.size[i]);
-      t[i] = float(at[i] - r.origin[i] - low[i] * r.size[i]) / float(r.size[i]);
-    }
-  }
-  /// f(corner of a coarse cell in `block`, weight)
+/// A coarse cell: the box that its corners span, eighths.
+struct CoarseBox {
+  std::array<int32_t, 3> low, size;
+  /// f(corner, weight) for the corners with a weight at a place in the box.
   template <class F>
-  void each(const std::array<int32_t, 3>& block, const F& f) const {
+  void each(const std::array<int32_t, 3>& at, const F& f) const {
+    std::array<float, 3> t;
+    for (size_t i = 0; i < 3; ++i) t[i] = float(at[i] - low[i]) / float(size[i]);
     for (int k = 0; k < 8; ++k) {
       float w = 1;
-      int corner = 0;
-      for (size_t i = 0; i < 3; ++i) {
-        const int high = k >> i & 1;
-        w *= high ? t[i] : 1 - t[i];
-        corner |= (low[i] + high - block[i]) << i;
-      }
-      if (w > 0) f(corner, w);
+      for (size_t i = 0; i < 3; ++i) w *= k >> i & 1 ? t[i] : 1 - t[i];
+      if (w > 0) f(k, w);
     }
   }
 };
@@ -50,7 +40,8 @@ GridLevel grid_level(const FemModel& m, const Vec3& zero_mm, std::span<const uin
   for (size_t v = 0; v < m.X_mm.size(); ++v)
     for (int i = 0; i < 3; ++i) g.at[v][size_t(i)] = int32_t(std::lround((m.X_mm[v][i] - zero_mm[i]) * per_mm[i]));
   g.cells.resize(m.cells.size());
-  for (size_t c = 0; c < m.cells.size(); ++c) g.cells[c] = {m.cells[c].node, g.at[size_t(m.cells[c].node[0])]};
+  for (size_t c = 0; c < m.cells.size(); ++c)
+    g.cells[c] = {m.cells[c].node, g.at[size_t(m.cells[c].node[0])], 8 >> m.cells[c].level};
   return g;
 }
 
@@ -67,6 +58,19 @@ BlockRule block_rule(const GridLevel& g) {
     r.size[i] = layers % 2 && layers <= few_layers ? 8 : 16;
   }
   return r;
+}
+
+BlockRule part_rule(const GridLevel& g) {
+  std::array<size_t, 9> of_size{};
+  for (const GridCell& c : g.cells) ++of_size[size_t(std::min(c.size, 8))];
+  size_t smaller = 0;
+  for (int32_t size = 2; size <= 8; size *= 2) {
+    smaller += of_size[size_t(size / 2)];
+    // Eight or more of them make one.
+    const bool thins = 7 * smaller > 2 * g.cells.size();
+    if (smaller > 0 && (thins || size == 8)) return {{0, 0, 0}, {size, size, size}, size};
+  }
+  return {};
 }
 
 Coarsening coarsen(const GridLevel& fine, const BlockRule& rule) {
@@ -98,12 +102,21 @@ Coarsening coarsen(const GridLevel& fine, const BlockRule& rule) {
 
   // Components in each block: cells that share a node.
   std::vector<int32_t> component(cells), seen_in(nodes, -1), seen_by(nodes, 0);
-  std::vector<std::array<int32_t, 3>> component_block;
+  std::vector<CoarseBox> component_box;
+  const auto merges = [&](int32_t c) { return !rule.parts_below || fine.cells[size_t(c)].size < rule.parts_below; };
+  const auto box_of = [&](int32_t c) -> CoarseBox {
+    const GridCell& cell = fine.cells[size_t(c)];
+    if (!merges(c)) return {cell.at, {cell.size, cell.size, cell.size}};
+    CoarseBox box{{}, rule.size};
+    for (size_t i = 0; i < 3; ++i) box.low[i] = rule.origin[i] + block[size_t(c)][i] * rule.size[i];
+    return box;
+  };
   {
     UnionFind joined(cells);
     for (size_t b = 0; b + 1 < begin.size(); ++b) {
       for (int32_t k = begin[b]; k < begin[b + 1]; ++k) {
         const int32_t c = order[size_t(k)];
+        if (!merges(c)) continue;
         for (int32_t v : fine.cells[size_t(c)].node) {
           if (v < 0) continue;
           if (seen_in[size_t(v)] == int32_t(b))
@@ -114,15 +127,14 @@ Coarsening coarsen(const GridLevel& fine, const BlockRule& rule) {
       }
       for (int32_t k = begin[b]; k < begin[b + 1]; ++k) {  // the root is the component's first cell
         const int32_t c = order[size_t(k)], root = joined.find(c);
-        if (root == c)
-          component[size_t(c)] = int32_t(component_block.size()), component_block.push_back(block[size_t(c)]);
+        if (root == c) component[size_t(c)] = int32_t(component_box.size()), component_box.push_back(box_of(c));
         component[size_t(c)] = component[size_t(root)];
       }
     }
   }
 
   // Corners of components, joined over the free nodes that they both interpolate.
-  UnionFind corners(8 * component_block.size());
+  UnionFind corners(8 * component_box.size());
   std::vector<int32_t>&first = seen_in, &last = seen_by;  // per node: the first component that met it, and the latest
   std::fill(first.begin(), first.end(), -1);
   for (int32_t c : order) {
@@ -133,12 +145,12 @@ Coarsening coarsen(const GridLevel& fine, const BlockRule& rule) {
       if (last[size_t(v)] == C) continue;
       last[size_t(v)] = C;
       const int32_t F = first[size_t(v)];
-      const Stance s(fine.at[size_t(v)], rule);
+      const std::array<int32_t, 3>& at = fine.at[size_t(v)];
       std::array<int32_t, 8> mine;
       int n = 0;
-      s.each(component_block[size_t(F)], [&](int corner, float) { mine[size_t(n++)] = 8 * F + corner; });
+      component_box[size_t(F)].each(at, [&](int corner, float) { mine[size_t(n++)] = 8 * F + corner; });
       n = 0;
-      s.each(component_block[size_t(C)], [&](int corner, float) { corners.unite(mine[size_t(n++)], 8 * C + corner); });
+      component_box[size_t(C)].each(at, [&](int corner, float) { corners.unite(mine[size_t(n++)], 8 * C + corner); });
     }
   }
 
@@ -149,18 +161,22 @@ Coarsening coarsen(const GridLevel& fine, const BlockRule& rule) {
     int32_t moved, corner;
     bool operator<(const Key& o) const { return place != o.place ? place < o.place : moved < o.moved; }
   };
+  // Whole blocks are counted in blocks, what parts are put together to stays in eighths.
+  const auto coordinate = [&](const CoarseBox& box, int corner, size_t i) {
+    const int32_t at = box.low[i] + (corner >> i & 1) * box.size[i];
+    return rule.parts_below ? at : (at - rule.origin[i]) / rule.size[i];
+  };
   std::vector<Key> keys;
   for (size_t v = 0; v < nodes; ++v) {
     if (!fine.free[v] || first[v] < 0) continue;
-    const Stance s(fine.at[v], rule);
     const int32_t F = first[v];
-    const std::array<int32_t, 3>& b = component_block[size_t(F)];
-    s.each(b, [&](int corner, float) {
+    const CoarseBox& box = component_box[size_t(F)];
+    box.each(fine.at[v], [&](int corner, float) {
       const int32_t root = corners.find(8 * F + corner);
       if (first_moved[size_t(root)] >= 0) return;
       first_moved[size_t(root)] = int32_t(v);
       int64_t place = 0;
-      for (size_t i = 3; i-- > 0;) place = (place << 21) + (b[i] + (corner >> i & 1) + (1 << 19));
+      for (size_t i = 3; i-- > 0;) place = (place << 21) + (coordinate(box, corner, i) + (1 << 19));
       keys.push_back({place, int32_t(v), root});
     });
   }
@@ -173,14 +189,17 @@ Coarsening coarsen(const GridLevel& fine, const BlockRule& rule) {
   GridLevel& g = out.level;
   g.free.assign(keys.size(), 1);
   g.at.resize(keys.size());
-  g.cells.resize(component_block.size());
-  for (size_t C = 0; C < component_block.size(); ++C) {
-    for (size_t i = 0; i < 3; ++i) g.cells[C].at[i] = 8 * component_block[C][i];
+  g.cells.resize(component_box.size());
+  const int32_t unit = rule.parts_below ? 1 : 8;
+  for (size_t C = 0; C < component_box.size(); ++C) {
+    const CoarseBox& box = component_box[C];
+    if (rule.parts_below) g.cells[C].size = box.size[0];
+    for (size_t i = 0; i < 3; ++i) g.cells[C].at[i] = unit * coordinate(box, 0, i);
     for (int k = 0; k < 8; ++k) {
       const int32_t v = number[size_t(corners.find(int32_t(8 * C) + k))];
       g.cells[C].node[size_t(k)] = v;
       if (v < 0) continue;
-      for (size_t i = 0; i < 3; ++i) g.at[size_t(v)][i] = 8 * (component_block[C][i] + (k >> i & 1));
+      for (size_t i = 0; i < 3; ++i) g.at[size_t(v)][i] = unit * coordinate(box, k, i);
     }
   }
 
@@ -192,7 +211,7 @@ Coarsening coarsen(const GridLevel& fine, const BlockRule& rule) {
     if (fine.free[v] && first[v] >= 0) {
       const size_t start = P.column.size();
       const int32_t F = first[v];
-      Stance(fine.at[v], rule).each(component_block[size_t(F)], [&](int corner, float w) {
+      component_box[size_t(F)].each(fine.at[v], [&](int corner, float w) {
         const int32_t column = number[size_t(corners.find(8 * F + corner))];
         size_t k = P.column.size();
         P.column.push_back(column), P.weight.push_back(w);

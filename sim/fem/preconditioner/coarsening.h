@@ -11,6 +11,12 @@
 // for they share every corner that has a weight there.
 //
 // Places are counted in eighths of an undivided cell; parts of divided cells lie in the block of their parent.
+//
+// A graded lattice is made even first: its finest cells are put together to cells of twice their size (or to the next
+// size that takes a quarter of the nodes away, at least), the others stay as they are, until all cells are whole. From
+// blocks of 2 x 2 x 2 whole cells alone a zone of quarter cells would be thinned 512 to 1 at once, which no smoother
+// makes up for. Cells that are put together touch none that is larger than what they make (2 : 1), so all
+// corners fit.
 #include <array>
 #include <span>
 #include <vector>
@@ -22,6 +28,7 @@ namespace limberg::fem {
 struct GridCell {
   std::array<int32_t, 8> node{};  // -1: a corner that moves nothing
   std::array<int32_t, 3> at{};    // low corner, eighths
+  int32_t size = 8;               // edge, eighths
 };
 
 /// A lattice as coarsening sees it.
@@ -35,9 +42,12 @@ struct GridLevel {
 struct BlockRule {
   std::array<int32_t, 3> origin{};  // low corner of block (0, 0, 0)
   std::array<int32_t, 3> size{};    // of a block: 16 or 8 eighths
+  int32_t parts_below = 0;          // not 0: only cells smaller than this are put together, to cells of this size
   bool operator==(const BlockRule&) const = default;
 };
 BlockRule block_rule(const GridLevel& level);
+/// Which parts are put together next; parts_below is 0 when all cells are whole.
+BlockRule part_rule(const GridLevel& level);
 
 /// Rows of weights: out of row i, `column` ascending.
 struct Interpolation {

@@ -36,7 +36,12 @@ Vec3 lattice_zero(const FemModel& m) {
     for (int i = 0; i < 3; ++i) zero[i] -= 0.5 * double(c.at[size_t(i)]) * m.cell_mm[i];
     return zero;
   }
-  return m.X_mm.empty() ? Vec3(Vec3::Zero()) : m.X_mm[0];
+  // All are smaller: places are rounded down to halves, and by nothing in some cell along each axis.
+  Vec3 zero = m.X_mm.empty() ? Vec3(Vec3::Zero()) : m.X_mm[0];
+  for (const HexCell& c : m.cells)
+    for (int i = 0; i < 3; ++i)
+      zero[i] = std::min(zero[i], m.X_mm[size_t(c.node[0])][i] - 0.5 * double(c.at[size_t(i)]) * m.cell_mm[i]);
+  return zero;
 }
 
 }  // namespace
@@ -78,10 +83,17 @@ void ScalarCycle::make(const ScalarCycle* before, const ParentList& cell_parent)
 
   GridLevel grid = grid_level(*model_, zero_mm_, free);
   int32_t unknowns = made_.of_rows;
-  for (size_t k = 0; k == 0 || (unknowns > bottom_limit && k + 1 < most_levels); ++k) {
+  size_t of_whole_cells = 0;  // levels
+  for (size_t k = 0; k == 0 || (unknowns > bottom_limit && of_whole_cells + 1 < most_levels); ++k) {
     Level& level = level_.emplace_back();
     const Level* old = before && k < before->level_.size() ? &before->level_[k] : nullptr;
-    level.coarse = coarsen(grid, old ? old->coarse.rule : block_rule(grid));
+    BlockRule rule = model_->graded ? part_rule(grid) : BlockRule{};
+    const bool of_parts = rule.parts_below != 0;
+    if (!of_parts) {
+      rule = old && !old->coarse.rule.parts_below ? old->coarse.rule : block_rule(grid);
+      ++of_whole_cells;
+    }
+    level.coarse = coarsen(grid, rule);
     NodeChange coarse;
     carried = carried && old && compare_coarse(old->coarse, level.coarse, A, change, coarse);
     const NodeMatrix* old_coarse = !carried                        ? nullptr
@@ -100,7 +112,7 @@ void ScalarCycle::make(const ScalarCycle* before, const ParentList& cell_parent)
     change = std::move(coarse);
     const int32_t finer = unknowns;
     unknowns = A.rows();
-    if (unknowns > finer * 3 / 4) break;
+    if (!of_parts && unknowns > finer * 3 / 4) break;
   }
   bottom_ = std::move(A);
   factorize_bottom(grid.at);

@@ -68,7 +68,7 @@ void RegionSolver::set_model(std::shared_ptr<const FemModel> model, const Parent
   auto p = std::make_shared<FemModel>();
   if (!first)
     p->X_mm = present().X_mm, p->fixed = present().fixed, p->mass_kg = present().mass_kg, p->cells = present().cells;
-  p->cell_mm = m.cell_mm, p->stencils = m.stencils, p->laws = m.laws;
+  p->cell_mm = m.cell_mm, p->stencils = m.stencils, p->laws = m.laws, p->graded = m.graded;
   p->X_mm.resize(node_at.size(), Vec3::Zero()), p->fixed.resize(node_at.size()), p->mass_kg.resize(node_at.size()),
       p->cells.resize(cell_at.size());
   std::vector<int32_t> parent(node_at.size(), -1);

@@ -135,6 +135,18 @@ TEST(OperatingPoint, ChangesAnySceneThatCanBeWritten) {
   }
 }
 
+// Small cells stay the parts of the large ones that they were.
+TEST(OperatingPoint, TakesFineCellsAlong) {
+  std::string text = kSmall;
+  text.insert(text.find("[camera]"), "wound_cell_mm = 2.5\nfine = [{at_mm = [0, 0], radius_mm = 4, cell_mm = 1.25}]\n");
+  for (const double cell_mm : {2.87143, 3.0, 7.7}) {
+    const Scene other = at_operating_point(parse_scene(text, "small.toml"), cell_mm, 7);
+    EXPECT_EQ(other.wound_level, 1);
+    ASSERT_EQ(other.fine.size(), 1u);
+    EXPECT_EQ(other.fine[0].level, 2);
+  }
+}
+
 TEST(OperatingPoint, IsReadBackAndBelongsToItsScene) {
   const Scene scene = parse_scene(kSmall, "small.toml"), other = at_operating_point(scene, 3, 7);
   const std::string file = (std::filesystem::temp_directory_path() / "limberg-point.json").string();

@@ -168,6 +168,33 @@ TEST(Cycle, ConvergesAtARateThatDoesNotDependOnSize) {
   }
 }
 
+// A zone of quarter cells is thinned step by step: at once, 64 cells to one and more, no smoother makes up for it.
+TEST(Cycle, ThinsAGradedLatticeStepByStep) {
+  const auto whole = std::make_shared<FemModel>(box_model(box({18, 18, 4})));
+  test::DividedModel d = test::divide(*whole, test::levels_around(*whole, {0, 0, 5}, 5));
+  d.model.graded = true;
+  const auto graded = std::make_shared<FemModel>(d.model);
+  d.model.graded = false;
+  const auto at_once = std::make_shared<FemModel>(std::move(d.model));
+  EXPECT_LT(convergence_factor(graded), 0.84);  // as uniform lattices
+  EXPECT_GT(convergence_factor(at_once), 0.9);
+  // Carried over from the lattice before the division, and from a graded one before a change of springs.
+  const auto before = ScalarCycle::build(whole, {}, 0);
+  const auto carried = ScalarCycle::rebuild(*before, graded, d.cell_parent, {}, 0);
+  EXPECT_TRUE(carried->same_matrices(*ScalarCycle::build(graded, {}, 0)));
+  const auto again = ScalarCycle::rebuild(*carried, graded, {}, {}, 0);
+  EXPECT_TRUE(again->same_matrices(*carried));
+  EXPECT_EQ(again->made().rows, 0);
+
+  const auto small = std::make_shared<FemModel>(box_model(box({8, 8, 3})));
+  test::DividedModel e = test::divide(*small, test::levels_around(*small, {0, 0, 7.5}, 1.2));
+  e.model.graded = true;
+  const Spectrum s = spectrum(std::make_shared<FemModel>(std::move(e.model)), {});
+  EXPECT_LT(s.asymmetry, 1e-5);
+  EXPECT_GT(s.smallest, 0.15);
+  EXPECT_LT(s.largest, 1 + 1e-3);
+}
+
 TEST(Cycle, CarriedOverIsTheSameToTheBit) {
   int reused = 0, rebuilt = 0;
   for (uint64_t seed = 1; seed <= 12; ++seed) {

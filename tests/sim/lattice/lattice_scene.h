@@ -33,8 +33,8 @@ struct LatticeScene {
   bool only_cut = false;  // the last step took nothing away
   Divide divide = Divide::fronts;
 
-  LatticeScene(const TriMesh& mesh, const LatticeGrid& lattice, int front_levels = 0)
-      : a(mesh, grid()), g(lattice), t(build_topology(g, material_surface(a), front_levels)) {
+  LatticeScene(const TriMesh& mesh, const LatticeGrid& lattice, int front_levels = 0, const Grading& grading = {})
+      : a(mesh, grid()), g(lattice), t(build_topology(g, material_surface(a), front_levels, grading)) {
     check();
   }
 

@@ -34,13 +34,13 @@ struct SheetLattice {
   Arrangement a;
   std::shared_ptr<const LatticeTopology> t;
   std::shared_ptr<const FemModel> m;
-  SheetLattice(Body b, double h, const Vec3& shift = Vec3::Zero())
+  SheetLattice(Body b, double h, const Vec3& shift = Vec3::Zero(), const Grading& grading = {})
       : body(std::make_shared<Body>(std::move(b))),
         skin(body),
-        grid(shifted(fit_lattice(*body, h), shift)),
+        grid(shifted(fit_lattice(*body, h, grading.empty() ? 0 : kLevels), shift)),
         table(skin, grid),
         a(body->surface, body->grid),
-        t(build_topology(grid, material_surface(a))),
+        t(build_topology(grid, material_surface(a), 0, grading)),
         m(assemble_fem(table, *t)) {}
 };
 

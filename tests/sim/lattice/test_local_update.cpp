@@ -98,7 +98,7 @@ TEST(LocalUpdate, OfDividedFrontsIsTheWholeUpdateToTheLastBit) {
   const auto body = std::make_shared<const Body>(make_block(spec));
   const Skin skin(body);
   int updates = 0, apart = 0, born = 0, refilled = 0, excised = 0;
-  for (int scene = 0; scene < 4; ++scene) {
+  for (int scene = 0; scene < 6; ++scene) {
     const LatticeGrid g = fit_lattice(*body, 4, kLevels);
     const StencilTable table(skin, g);
     Arrangement a(body->surface, body->grid);
@@ -108,7 +108,15 @@ TEST(LocalUpdate, OfDividedFrontsIsTheWholeUpdateToTheLastBit) {
       SurfaceView view;
       SharedArray<EmbeddedPoint> embedding;
     };
-    Version v{build_topology(g, material_surface(a), scene == 3 ? 2 : kLevels), nullptr, a.surface_view(), {}};
+    Grading grading;
+    if (scene > 3) {  // graded, too
+      grading.wound_level = scene - 3;
+      GradedZone z;
+      z.from_mm = {-10, 4, 0}, z.to_mm = {6, 4, 0}, z.radius_mm = 5, z.depth_mm = 4, z.level = 2;
+      grading.zones.push_back(z);
+    }
+    const int levels = scene == 3 ? 2 : scene == 5 ? 0 : kLevels;
+    Version v{build_topology(g, material_surface(a), levels, grading), nullptr, a.surface_view(), {}};
     v.model = assemble_fem(table, *v.lattice);
     v.embedding = embed_surface(*v.lattice, material_surface(a), v.view);
     std::vector<Version> history{v};
