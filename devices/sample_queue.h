@@ -2,7 +2,8 @@
 // From the thread that receives to the thread that polls: samples in order, neither side ever waiting.
 //
 // A sample is stamped within the tick that consumes it, so that a replay by time stamps consumes it in the same tick.
-// When a reading was true is another matter, and another field (TrackerSample::true_ns).
+// When a reading was true is another matter, and another field (TrackerSample::true_ns), which stays within what a
+// recording takes of the stamp: a clock that stood still and leapt lies between the two.
 #include <algorithm>
 #include <cstdint>
 #include <variant>
@@ -27,6 +28,7 @@ class SampleQueue {
       if (t_ns > now_ns) break;
       t_ns = std::max({t_ns, last_now_ns_ + 1, last_t_ns_ + 1});
       last_t_ns_ = t_ns;
+      if (auto* t = std::get_if<TrackerSample>(s)) t->true_ns = std::clamp(t->true_ns, t_ns - kOldestReadingNs, t_ns);
       ++handed_;
       sink.on_sample(*s);
       ring_.drop();
