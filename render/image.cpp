@@ -1,5 +1,6 @@
 #include "render/image.h"
 
+#include <fmt/format.h>
 #include <png.h>
 
 #include <algorithm>
@@ -66,9 +67,8 @@ bool encode_rows(const Image& image, std::string& out) {
   return true;
 }
 
-constexpr png_uint_32 kMaxSide = 16384;
-
-bool read_rows(std::string_view bytes, Image& image) {
+/// `too_large`: why not.
+bool read_rows(std::string_view bytes, Image& image, bool& too_large) {
   png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, leave, ignore);
   if (!png) return false;
   png_infop info = png_create_info_struct(png);
@@ -76,9 +76,12 @@ bool read_rows(std::string_view bytes, Image& image) {
     png_destroy_read_struct(&png, &info, nullptr);
     return false;
   }
-  png_set_user_limits(png, kMaxSide, kMaxSide);
+  png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);  // ours follow, and are told
   png_set_read_fn(png, &bytes, take);
   png_read_info(png, info);
+  const size_t wide = png_get_image_width(png, info), high = png_get_image_height(png, info);
+  too_large = wide > kMostPngSide || high > kMostPngSide || wide * high > kMostPixels;
+  if (too_large) png_error(png, "too large");  // before room is asked for
   png_set_expand(png);
   png_set_strip_16(png);
   png_set_strip_alpha(png);
@@ -89,7 +92,6 @@ bool read_rows(std::string_view bytes, Image& image) {
   image.height = int(png_get_image_height(png, info));
   const size_t stride = png_get_rowbytes(png, info);
   if (stride != 3 * size_t(image.width)) png_error(png, "unexpected layout");
-  if (size_t(image.width) * size_t(image.height) > kMostPixels) png_error(png, "too large");
   image.rgb.resize(stride * size_t(image.height));
   for (int pass = 0; pass < passes; ++pass)
     for (int y = 0; y < image.height; ++y) png_read_row(png, image.rgb.data() + stride * size_t(y), nullptr);
@@ -118,7 +120,14 @@ Image read_png(const std::string& file) { return decode_png(read_whole_file(file
 Image decode_png(std::string_view bytes, const std::string& name) {
   if (!bytes.starts_with("\x89PNG\r\n\x1a\n")) throw InputError(name, 0, "is not a PNG picture; expected one");
   Image image;
-  if (!read_rows(bytes, image)) throw InputError(name, 0, "is a damaged PNG picture; expected a whole one");
+  bool too_large = false;
+  if (!read_rows(bytes, image, too_large))
+    throw InputError(name, 0,
+                     too_large
+                         ? fmt::format("says that it is a larger picture than is read; expected at most {} pixels "
+                                       "and {} a side",
+                                       kMostPixels, kMostPngSide)
+                         : "is a damaged PNG picture; expected a whole one");
   return image;
 }
 

@@ -41,6 +41,7 @@ std::string encode_png(const Image& image);
 
 constexpr size_t kMostPng = size_t(32) << 20;     // bytes of a file that is read
 constexpr size_t kMostPixels = size_t(64) << 20;  // of a picture that is read: 192 MB
+constexpr size_t kMostPngSide = 16384;
 /// InputError when the file is missing, is not a PNG, is damaged or too large. Any PNG is converted to 8-bit RGB.
 Image read_png(const std::string& file);
 Image decode_png(std::string_view bytes, const std::string& name);

@@ -74,7 +74,11 @@ TEST_F(CliHostile, TerminalsAreGivenNoCommands) {
         "check " + file("e.jsonl", "{\"limberg_script\":1,\"scene\":\"" + scene + "\",\"note\":\"" + escapes +
                                        "\"}\n{\"action\":\"stage\",\"name\":\"" + escapes + "\"}\n"),
         "operate " + scene + " " +
-            file("f.jsonl", "{\"limberg_script\":1,\"scene\":\"small\"}\n{\"action\":\"" + escapes + "\"}\n")}) {
+            file("f.jsonl", "{\"limberg_script\":1,\"scene\":\"small\"}\n{\"action\":\"" + escapes + "\"}\n"),
+        std::string("check '") +
+            path("\x1b]0;owned\x07\xC2\x9B"
+                 "2J.toml") +
+            "'"}) {
     const Outcome o = run(call);
     EXPECT_NE((o.out + o.err).find("owned"), std::string::npos) << call << o.out << o.err;
     for (const std::string& text : {o.out, o.err}) {

@@ -183,6 +183,16 @@ TEST(Lesson, SaysWhyAFigureIsNotMeasured) {
   EXPECT_TRUE(lesson_values(m, {}).value.contains("landmark_mm"));
 }
 
+// Stitches are those that hold at the end: one that was refused, cut or undone is none.
+TEST(Exercise, StitchesAreThoseThatAreThere) {
+  Metrics m;
+  m.sutures.resize(2);
+  const std::vector<Command> script{Suture{{0, 1}, {0, -1}}, Undo{}, Suture{{3, 1}, {3, -1}}, Suture{{6, 1}, {6, -1}},
+                                    Suture{{9, 1}, {9, -1}}};
+  EXPECT_EQ(exercise(script, m, {}).stitches, 2);
+  EXPECT_EQ(exercise({}, m, {}).stitches, 2);
+}
+
 // What only a hand can miss is not held against a script that was carried out without one.
 TEST(Lesson, AScriptIsNotJudgedByTheHandsTolerances) {
   Lesson l = parse_lesson(kLesson, "l.toml");

@@ -2,9 +2,12 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "app/commands/session_command.h"
 #include "app/program/places.h"
@@ -30,7 +33,7 @@ struct Stylus final : Source {
   SourceCounts counts() const override { return {seq, 0, 0}; }
 };
 
-struct NoWindow final : SessionWindow, PictureSink {
+struct NoWindow : SessionWindow, PictureSink {
   int64_t fails_at_ns = -1, closes_at_ns = -1;
   bool keeps = false;
   LaneGauges lanes;
@@ -119,6 +122,35 @@ TEST_F(SessionCommand, ClosingTheWindowEndsItAndIsNoFailure) {
     EXPECT_EQ(r["ok"], true);
     EXPECT_LE(r["solver"]["settle_steps"].get<int>(), 2);
   }
+}
+
+// Between the opening of a recording and its tick 0 the window opens, which may take seconds.
+TEST_F(SessionCommand, ARecordingSaysWhenItsTickZeroWasNotWhenItWasOpened) {
+  const auto utc_ns = [] {
+    return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
+        .count();
+  };
+  struct SlowWindow final : NoWindow {
+    std::function<void()> slow;
+    std::unique_ptr<Source> pointer(Channels& channels) override {
+      slow();
+      return NoWindow::pointer(channels);
+    }
+  };
+  int64_t shown_ns = 0;
+  SessionCall c = call(-1, -1);
+  c.window = [&](const Scene&) {
+    auto w = std::make_unique<SlowWindow>();
+    w->keeps = true, w->closes_at_ns = RealClock::monotonic_ns() + 1'000'000'000;
+    w->slow = [&] { std::this_thread::sleep_for(std::chrono::milliseconds(200)), shown_ns = utc_ns(); };
+    return w;
+  };
+  EXPECT_EQ(run_session(std::move(c)), kDone);
+  ASSERT_GT(shown_ns, 0);
+  const Recording rec = read_recording((dir / "limberg-1.lcm").string());
+  ASSERT_TRUE(rec.session);
+  EXPECT_GE(rec.session->utc_start_ns, shown_ns) << "tick 0 was before the window was there";
+  EXPECT_LE(rec.session->utc_start_ns, utc_ns());
 }
 
 }  // namespace test_session_command

@@ -4,6 +4,7 @@
 #include "app/program/places.h"
 #include "sim/fem/solver/engine.h"
 #include "tests/app/cli.h"
+#include "tests/sim/skull/needs_bullet.h"
 
 namespace test_shipped {
 
@@ -12,6 +13,9 @@ class Shipped : public Cli, public testing::WithParamInterface<std::tuple<const 
 TEST_P(Shipped, RecordingReplaysToTheRecordedBits) {
   const auto [name, set] = GetParam();
   if (!limberg::fem::find_kernels(set)) GTEST_SKIP() << "this machine does not have " << set;
+  if (std::string(name) == "craniofacial") {
+    LIMBERG_NEEDS_BULLET();
+  }
   const Outcome o = run("replay " + (limberg::source_dir() + "/recordings/") + name + ".lcm --simd " + set +
                         " --workers 1 --json " + path("r.json"));
   EXPECT_EQ(o.status, 0) << o.err;

@@ -72,15 +72,38 @@ TEST(Image, BadFilesAreInputErrors) {
 
 /// A header that promises much costs nothing until it is believed: 16,000 x 16,000 pixels would be 768 MB.
 TEST(Image, APictureThatPromisesTooMuchIsRefused) {
-  const auto promised = [](uint32_t side) {
+  const auto promised = [](uint32_t wide, uint32_t high) {
     std::string bytes = encode_png(sample(40, 30));
-    for (size_t at : {size_t(16), size_t(20)})
-      for (size_t k = 0; k < 4; ++k) bytes[at + k] = char(side >> (24 - 8 * k) & 255);
+    for (size_t k = 0; k < 4; ++k)
+      bytes[16 + k] = char(wide >> (24 - 8 * k) & 255), bytes[20 + k] = char(high >> (24 - 8 * k) & 255);
     const uLong crc = crc32(0, reinterpret_cast<const Bytef*>(bytes.data() + 12), 17);
     for (size_t k = 0; k < 4; ++k) bytes[29 + k] = char(crc >> (24 - 8 * k) & 255);
     return bytes;
   };
-  for (const uint32_t side : {3000u, 16'000u, 60'000u}) EXPECT_THROW(decode_png(promised(side), "big.png"), InputError);
+  const auto why = [](auto&& read) -> std::string {
+    try {
+      read();
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "taken";
+  };
+  const auto refusal = [&](uint32_t wide, uint32_t high) {
+    return why([&] { decode_png(promised(wide, high), "big.png"); });
+  };
+  EXPECT_NE(refusal(3000, 3000).find("is a damaged PNG picture"), std::string::npos) << refusal(3000, 3000);
+  for (const auto& [wide, high] :
+       {std::pair{9000u, 9000u}, {16'000u, 16'000u}, {60'000u, 60'000u}, {20'000u, 10u}, {10u, 20'000u}})
+    EXPECT_NE(
+        refusal(wide, high).find("larger picture than is read; expected at most 67108864 pixels and 16384 a side"),
+        std::string::npos)
+        << wide << " x " << high << ": " << refusal(wide, high);
+  // A file with a hole is refused for its size before it is read.
+  const std::string hole = scratch("hole") / "a.png";
+  std::ofstream(hole, std::ios::binary) << promised(40, 30);
+  fs::resize_file(hole, kMostPng + 1);
+  const std::string large = why([&] { read_png(hole); });
+  EXPECT_NE(large.find("is too large"), std::string::npos) << large;
 }
 
 TEST(Image, FailedWriteLeavesTheOldFile) {

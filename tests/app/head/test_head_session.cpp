@@ -22,6 +22,7 @@
 #include "sim/skull/simplex/file.h"
 #include "sim/skull/simplex/generators.h"
 #include "sim/skull/simplex/mesh.h"
+#include "tests/sim/skull/needs_bullet.h"
 
 namespace limberg {
 namespace test_head_session {
@@ -86,6 +87,7 @@ Ran run(int workers) {
 }
 
 TEST(HeadSession, SawAndGloveCutAndCarryTheSameWithAnyNumberOfWorkers) {
+  LIMBERG_NEEDS_BULLET();
   const Ran one = run(1), two = run(2);
   EXPECT_EQ(one.refused, std::vector<std::string>{});
   EXPECT_EQ(one.script, (std::vector<std::string>{"osteotomy", "stage", "grab", "drag", "let_go", "stage"}));
@@ -95,6 +97,7 @@ TEST(HeadSession, SawAndGloveCutAndCarryTheSameWithAnyNumberOfWorkers) {
 }
 
 TEST(HeadSession, AScriptDoesTheSameWithoutAHand) {
+  LIMBERG_NEEDS_BULLET();
   AssemblyOptions o;
   Assembly a(ball_scene("script", kTissue), Calibration{}, o);
   Script s;
@@ -164,6 +167,7 @@ std::vector<Vec3f> settled(Assembly& a, int steps = 300) {
 }
 
 TEST(HeadSession, RigidMotionOfAllTheBoneMovesTheSkinRigidly) {
+  LIMBERG_NEEDS_BULLET();
   Assembly a(skin_over_bone(), Calibration{}, {});
   const std::vector<Vec3f> before = settled(a);
   MoveFragment m;
@@ -179,6 +183,7 @@ TEST(HeadSession, RigidMotionOfAllTheBoneMovesTheSkinRigidly) {
 }
 
 TEST(HeadSession, AFragmentRaisedLiftsTheSkinAboveIt) {
+  LIMBERG_NEEDS_BULLET();
   Assembly a(skin_over_bone(), Calibration{}, {});
   const std::vector<Vec3f> before = settled(a);
   CutBone c;
@@ -213,6 +218,7 @@ TEST(HeadSession, AFragmentRaisedLiftsTheSkinAboveIt) {
 
 // One patient: flap tools in skin that a raised piece of bone carries, and the bone moves on under the stitches.
 TEST(HeadSession, AFlapIsCutUnderminedAndSewnOverRaisedBone) {
+  LIMBERG_NEEDS_BULLET();
   Assembly a(skin_over_bone(), Calibration{}, {});
   settled(a);
   const auto act = [&](const Command& c) {
@@ -264,6 +270,7 @@ MoveFragment raise_plate(double by_mm) {
 
 // One history: what is no entry for one part is none for the patient.
 TEST(HeadSession, APieceOfAStrokeThatCutsNothingIsNoEntry) {
+  LIMBERG_NEEDS_BULLET();
   Assembly a(skin_over_bone(), Calibration{}, {});
   const uint64_t at_first = a.patient->state_hash();
   ASSERT_TRUE(a.patient->apply(HeadCommand(raise_plate(3))).done);
@@ -277,6 +284,7 @@ TEST(HeadSession, APieceOfAStrokeThatCutsNothingIsNoEntry) {
 }
 
 TEST(HeadSession, AHookEndsWhatCouldBeDoneAgainInEveryPart) {
+  LIMBERG_NEEDS_BULLET();
   Assembly a(skin_over_bone(), Calibration{}, {});
   const auto act = [&](const Command& c) {
     const Outcome o = a.patient->apply(c);
@@ -295,6 +303,7 @@ TEST(HeadSession, AHookEndsWhatCouldBeDoneAgainInEveryPart) {
 }
 
 TEST(HeadSession, AnActOnBoneStopsAStrokeInSkin) {
+  LIMBERG_NEEDS_BULLET();
   Assembly a(skin_over_bone(), Calibration{}, {});
   const uint64_t whole = a.patient->topology_hash(), at_first = a.patient->state_hash();
   ASSERT_TRUE(a.patient->apply(InciseMore{1, {{-18, 0}, {-6, 0}}, 3, 90, false}).done);
@@ -310,6 +319,7 @@ TEST(HeadSession, AnActOnBoneStopsAStrokeInSkin) {
 
 // The skin over bone answers a hand as it would alone; bone is as hard as bone, where no skin lies over it.
 TEST(HeadSession, SkinAndBoneAreFelt) {
+  LIMBERG_NEEDS_BULLET();
   Assembly a(skin_over_bone(), Calibration{}, {});
   settled(a);
   Snapshot s;
@@ -437,6 +447,28 @@ TEST_F(HeadCache, WhatOthersCouldHavePutThereIsNotBelieved) {
   std::filesystem::permissions(folder_, std::filesystem::perms::others_write, std::filesystem::perm_options::add);
   expect_same(made, head());
   EXPECT_EQ(written(), before) << "a head was kept where others can write";
+}
+
+TEST_F(HeadCache, WhatIsAnothersIsNotBelieved) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can give a folder away";
+  const HeadModel made = head();
+  const auto written = [&] { return std::filesystem::last_write_time(file("landmarks.txt")); };
+  const auto before = written();
+  constexpr uid_t kNobody = 65534;
+  ASSERT_EQ(chown(file("landmarks.txt").parent_path().c_str(), kNobody, gid_t(kNobody)), 0);
+  expect_same(made, head());
+  EXPECT_NE(written(), before) << "another's head was believed";
+}
+
+TEST_F(HeadCache, AFolderThatCannotBeReachedIsNone) {
+  std::filesystem::create_symlink("loop2", folder_ / "loop1");
+  std::filesystem::create_symlink("loop1", folder_ / "loop2");
+  std::ofstream(folder_ / "file") << "no folder";
+  for (const std::string& name : {std::string("loop1"), std::string("file/below"), std::string(300, 'a')}) {
+    const HeadModel made = cached_head(spec_, workers_, (folder_ / name).string());
+    EXPECT_FALSE(made.landmarks.empty()) << name;
+  }
+  EXPECT_TRUE(file("landmarks.txt").empty());
 }
 
 }  // namespace test_head_session

@@ -130,6 +130,27 @@ TEST_F(Files, FramesAreTurnedIntoLeftPosteriorSuperior) {
   EXPECT_NEAR(VolumeSampler(m).value(m.place({2, 3, 4})), 104, 1e-5);
 }
 
+/// Of this process, as the kernel counts it.
+size_t most_address_space_kB() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("VmPeak:")) return std::stoul(line.substr(7));
+  return 0;
+}
+
+// A header may say 600 x 600 x 600 over 120 bytes: no room is asked for before the bytes are there.
+TEST_F(Files, APromiseOfMuchAsksForNoRoom) {
+  const std::string data = numbers<int16_t>(false);
+  for (const auto& [encoding, bytes] : {std::pair{"raw", data}, {"gzip", gz(data)}}) {
+    std::string head = kNrrd + "type: short\nendian: little\nencoding: " + encoding + "\n\n";
+    head.replace(head.find("3 4 5"), 5, "600 600 600");
+    const size_t before_kB = most_address_space_kB();
+    ASSERT_GT(before_kB, 0u);
+    EXPECT_NE(message(head + bytes).find("cut short"), std::string::npos) << encoding;
+    EXPECT_LT(most_address_space_kB() - before_kB, 100'000u) << encoding << ": the volume would have 864,000 kB";
+  }
+}
+
 TEST_F(Files, BrokenFilesHaveAMessage) {
   const std::string data = numbers<int16_t>(false), head = kNrrd + "type: short\nendian: little\nencoding: raw\n\n";
   EXPECT_EQ(message(head + data), "accepted");

@@ -3,6 +3,7 @@
 
 #include "sim/skull/bone/bones.h"
 #include "tests/sim/skull/bone/heads.h"
+#include "tests/sim/skull/needs_bullet.h"
 
 namespace limberg::bone {
 namespace test_hold {
@@ -33,6 +34,7 @@ Gap gap_of(const Bones& b, int32_t x, int32_t y) {
 }
 
 TEST(Hold, AWorldExistsOnlyWhileSomethingIsHeld) {
+  LIMBERG_NEEDS_BULLET();
   test::KeptBones b = with_window();
   EXPECT_FALSE(b.physics());
   b.step(kFrame_s);
@@ -55,6 +57,7 @@ TEST(Hold, AWorldExistsOnlyWhileSomethingIsHeld) {
 }
 
 TEST(Hold, FreeMotionIsExactAndAFragmentLeavesItsWindow) {
+  LIMBERG_NEEDS_BULLET();
   test::KeptBones b = with_window();
   ASSERT_TRUE(b.grab(2).done);
   const Eigen::Isometry3d out = moved({0, 30, 12}, 0.2, {1, 0.2, 0});
@@ -76,6 +79,7 @@ TEST(Hold, FreeMotionIsExactAndAFragmentLeavesItsWindow) {
 constexpr double kDeepest_mm = 0.9;
 
 TEST(Hold, NothingTunnelsAtOneMetrePerSecond) {
+  LIMBERG_NEEDS_BULLET();
   for (const double speed : {1000., 100.}) {
     test::KeptBones b = with_window();
     ASSERT_TRUE(b.grab(2).done);
@@ -102,6 +106,7 @@ TEST(Hold, NothingTunnelsAtOneMetrePerSecond) {
 }
 
 TEST(Hold, OtherFragmentsArePushedAndTheSameDragsGiveTheSameBits) {
+  LIMBERG_NEEDS_BULLET();
   uint64_t hash[2];
   for (uint64_t& h : hash) {
     test::KeptBones b = with_window();
@@ -122,6 +127,7 @@ TEST(Hold, OtherFragmentsArePushedAndTheSameDragsGiveTheSameBits) {
 }
 
 TEST(Hold, PlatedFragmentsAreOneBody) {
+  LIMBERG_NEEDS_BULLET();
   test::KeptBones b = with_window();
   ASSERT_TRUE(b.cut(test::chin()).done);
   ASSERT_TRUE(b.plate({8, 67, -90}, {16, 65, -90}).done);
@@ -136,6 +142,7 @@ TEST(Hold, PlatedFragmentsAreOneBody) {
 }
 
 TEST(Hold, SnapPutsItWhereItFits) {
+  LIMBERG_NEEDS_BULLET();
   test::KeptBones b = with_window();
   ASSERT_TRUE(b.move(2, moved({0.5, 2, 1}, 0.02)).done);
   ASSERT_TRUE(b.grab(2).done);

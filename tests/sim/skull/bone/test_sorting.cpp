@@ -10,6 +10,7 @@
 #include "sim/skull/bone/sorting.h"
 #include "sim/testing/stl.h"
 #include "tests/sim/skull/bone/heads.h"
+#include "tests/sim/skull/needs_bullet.h"
 #include "tests/sim/skull/simplex/random.h"
 
 namespace limberg::bone {
@@ -224,6 +225,7 @@ TEST(SortingAct, APlateThatHoldsFragmentsApartHasToGoFirst) {
 }
 
 TEST(SortingAct, ARefusalSaysWhyAndChangesNothing) {
+  LIMBERG_NEEDS_BULLET();
   const auto refused = [](test::KeptBones& b, const char* says) {
     const uint64_t before = b.hash();
     const bool undo = b.can_undo();

@@ -7,6 +7,7 @@
 #include "sim/skull/simplex/generators.h"
 #include "tests/sim/skull/bone/shapes.h"
 #include "tests/sim/skull/head/shell_head.h"
+#include "tests/sim/skull/needs_bullet.h"
 
 namespace limberg {
 namespace test_head {
@@ -194,6 +195,7 @@ TEST(Head, AMovedFragmentSaysHowItLies) {
 }
 
 TEST(Head, HoweverLongANameIsTheNumbersBehindItAreSaid) {
+  LIMBERG_NEEDS_BULLET();
   InlineWorkers w;
   HeadParts p = ball();
   p.bones[0].name = std::string(300, 'b');
@@ -207,6 +209,7 @@ TEST(Head, HoweverLongANameIsTheNumbersBehindItAreSaid) {
 }
 
 TEST(Head, ASnapThatChangesNothingIsAnActLikeAnyOther) {
+  LIMBERG_NEEDS_BULLET();
   InlineWorkers w;
   Skull h(ball(), w);
   const uint64_t whole = h.bones().hash();
@@ -321,6 +324,7 @@ TEST(Head, AJoinDoesNotMoveTheFace) {
 }
 
 TEST(Head, AHandCarriesAFragmentAndTheSameHandLetsItGo) {
+  LIMBERG_NEEDS_BULLET();
   InlineWorkers w;
   Skull h(ball(), w);
   ASSERT_TRUE(h.apply(HeadCommand(halve())).done);
