@@ -14,8 +14,8 @@ struct Kept : SampleSink {
   std::vector<Sample> samples;
 };
 
-// A clock stands still for 1.3 s, as a paused machine's does, and leaps to where it would be: what was received before is
-// stamped after it. A recording that takes a reading gives it back, or all that follows is lost.
+// A clock stands still for 1.3 s, as a paused machine's does, and leaps to where it would be: what was received before
+// is stamped after it. A recording that takes a reading gives it back, or all that follows is lost.
 TEST(SampleQueue, AReadingOnBothSidesOfALeapOfTheClockCanBeRecorded) {
   SampleQueue queue(8);
   Kept kept;

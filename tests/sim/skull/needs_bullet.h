@@ -1,6 +1,6 @@
 #pragma once
-// For tests that hold a bone or build a head's patient: where the program was built without Bullet they are skipped, and
-// say what is missing. bone/test_part.cpp fails where the part should be there and is not.
+// For tests that hold a bone or build a head's patient: where the program was built without Bullet they are skipped,
+// and say what is missing. bone/test_part.cpp fails where the part should be there and is not.
 #include <gtest/gtest.h>
 
 #include <string>
