@@ -123,6 +123,7 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
   springs.real("suture_N_per_mm", s.suture_N_per_mm, 0, 1e4, true);
   springs.real("suture_bite_mm", s.suture_bite_mm, 0, 10);
   springs.real("hook_N_per_mm", s.hook_N_per_mm, 0, 1e4, true);
+  springs.real("hook_tip_mm", s.hook_tip_mm, 0, 10);
   springs.finish();
 
   Table solver = section(root, "solver", path);
@@ -242,6 +243,7 @@ WorldSpec world_spec(const Scene& scene, std::shared_ptr<const Body> body) {
   w.suture_k_N_per_mm = scene.suture_N_per_mm;
   w.suture_bite_mm = scene.suture_bite_mm;
   w.hook_k_N_per_mm = scene.hook_N_per_mm;
+  w.hook_tip_mm = scene.hook_tip_mm;
   w.can_cut = scene.can_cut;
   w.refine_fronts = scene.refine_fronts;
   w.refine_pockets = scene.refine_pockets;

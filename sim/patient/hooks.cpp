@@ -4,16 +4,28 @@
 
 #include <algorithm>
 
+#include "sim/lattice/embedding.h"
+#include "sim/patient/skin_patch.h"
+
 namespace limberg {
+
+void Hooks::widen(Anchor& anchor) const {
+  anchor.wide.clear();
+  const TissueVersion& now = tissue_.version();
+  for (const SurfacePoint& p : skin_patch(now.surface->view, anchor.at, tissue_.spec().hook_tip_mm))
+    anchor.wide.push_back(
+        embed_point(*now.lattice, now.surface->view, p.triangle, {p.bary.x(), p.bary.y(), p.bary.z()}));
+}
 
 Outcome Hooks::act(const SetHook& c) {
   if (c.id <= 0) return {false, fmt::format("hook id {}; a positive number was expected", c.id)};
   if (std::any_of(holding_.hooks.begin(), holding_.hooks.end(), [&](const Hook& h) { return h.id == c.id; }))
     return {false, fmt::format("hook {} is set already; release it first or use another id", c.id)};
   std::string reason;
-  const auto anchor = tissue_.find_anchor(c.at, false, reason);
+  auto anchor = tissue_.find_anchor(c.at, false, reason);
   if (!anchor) return {false, reason};
-  holding_.hooks.push_back({c.id, holding_.next_spring++, *anchor, tissue_.position_mm(anchor->embedded)});
+  widen(*anchor);
+  holding_.hooks.push_back({c.id, holding_.next_spring++, *anchor, tissue_.held_mm(*anchor)});
   return {true, {}};
 }
 
@@ -36,6 +48,7 @@ Outcome Hooks::act(const ReleaseHook& c) {
 
 void Hooks::carry() {
   std::erase_if(holding_.hooks, [&](Hook& h) { return !tissue_.carry(h.anchor); });
+  for (Hook& h : holding_.hooks) widen(h.anchor);
 }
 
 }  // namespace limberg

@@ -16,6 +16,7 @@ class Hooks {
   void carry();
 
  private:
+  void widen(Anchor& anchor) const;
   const Tissue& tissue_;
   Holding& holding_;
 };

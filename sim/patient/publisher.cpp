@@ -2,8 +2,8 @@
 
 namespace limberg {
 
-void Publisher::fill(const Tissue& tissue, const Holding& holding, const Sutures& sutures, const LastStep& last,
-                     Snapshot& snapshot, bool with_field) {
+void Publisher::fill(const Tissue& tissue, const Holding& holding, const LastStep& last, Snapshot& snapshot,
+                     bool with_field) {
   const std::shared_ptr<const SurfaceTopology>& topology = tissue.version().surface;
   const SurfaceTopology& surface = *topology;
   const ElasticSolver& solver = tissue.solver();
@@ -30,7 +30,7 @@ void Publisher::fill(const Tissue& tissue, const Holding& holding, const Sutures
     const Vec3 a = tissue.position_mm(s.a.embedded), b = tissue.position_mm(s.b.embedded);
     snapshot.sutures.push_back(
         {s.id, a.cast<float>(), b.cast<float>(), float(solver.spring_force_mN(s.spring).norm() * 1e-3),
-         float((sutures.held_mm(s.a) - sutures.held_mm(s.b)).norm()), s.thread, float(s.tied_N), float(s.peak_N)});
+         float((tissue.held_mm(s.a) - tissue.held_mm(s.b)).norm()), s.thread, float(s.tied_N), float(s.peak_N)});
   }
   snapshot.residual = last.residual;
   snapshot.distance_mm = last.distance_mm;

@@ -2,7 +2,6 @@
 // The soft tissue as a snapshot: places of the surface, hooks, sutures, the field of tension.
 #include <memory>
 
-#include "sim/patient/sutures.h"
 #include "sim/patient/tension_field.h"
 #include "sim/patient/tissue.h"
 
@@ -11,8 +10,7 @@ namespace limberg {
 class Publisher {
  public:
   /// Reuses the snapshot's memory. The tension field costs a few ms.
-  void fill(const Tissue& tissue, const Holding& holding, const Sutures& sutures, const LastStep& last,
-            Snapshot& snapshot, bool with_field);
+  void fill(const Tissue& tissue, const Holding& holding, const LastStep& last, Snapshot& snapshot, bool with_field);
 
  private:
   std::unique_ptr<TensionField> tension_;

@@ -144,7 +144,7 @@ std::optional<double> SoftTissue::closure_energy_uJ() const {
 }
 
 void SoftTissue::fill(Snapshot& snapshot, bool with_field) const {
-  publisher_.fill(tissue_, holding_, sutures_, figures_.last, snapshot, with_field);
+  publisher_.fill(tissue_, holding_, figures_.last, snapshot, with_field);
 }
 
 PressAnswer SoftTissue::press(const PressQuestion& question, int iterations) {

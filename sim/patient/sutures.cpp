@@ -115,13 +115,6 @@ void Sutures::widen(Anchor& anchor) const {
                                         {at->bary.x(), at->bary.y(), at->bary.z()}));
 }
 
-Vec3 Sutures::held_mm(const Anchor& a) const {
-  if (a.wide.empty()) return tissue_.position_mm(a.embedded);
-  Vec3 sum = Vec3::Zero();
-  for (const EmbeddedPoint& p : a.wide) sum += tissue_.position_mm(p);
-  return sum / double(a.wide.size());
-}
-
 namespace {
 
 double turn(const Vec2& a, const Vec2& b, const Vec2& c) {
@@ -169,7 +162,7 @@ Stitch Sutures::between(const Anchor& a, const Anchor& b, double bite_mm) const 
   s.a = a, s.b = b;
   s.a.bite_mm = s.b.bite_mm = bite_mm;
   widen(s.a), widen(s.b);
-  s.slack_mm = held_mm(s.a) - held_mm(s.b);
+  s.slack_mm = tissue_.held_mm(s.a) - tissue_.held_mm(s.b);
   return s;
 }
 
@@ -202,7 +195,8 @@ double Sutures::to_draw_mm() const {
     if (s.thread == 0 || !s.across()) continue;
     const auto t = std::find_if(holding_.threads.begin(), holding_.threads.end(),
                                 [&](const Thread& thread) { return thread.id == s.thread; });
-    if (t != holding_.threads.end() && t->closing) most = std::max(most, (held_mm(s.a) - held_mm(s.b)).norm());
+    if (t != holding_.threads.end() && t->closing)
+      most = std::max(most, (tissue_.held_mm(s.a) - tissue_.held_mm(s.b)).norm());
   }
   return most;
 }
@@ -236,7 +230,7 @@ void Sutures::draw(Thread& t) const {
   Vec3 last = Vec3::Zero();
   for (const Stitch& s : holding_.stitches) {
     if (s.thread != t.id) continue;
-    const Vec3 a = held_mm(s.a), b = held_mm(s.b);
+    const Vec3 a = tissue_.held_mm(s.a), b = tissue_.held_mm(s.b);
     tension_N = std::max(tension_N, 1e-3 * tissue_.solver().spring_force_mN(s.spring).norm());
     if (!first) first = a;
     last = b;
@@ -260,7 +254,7 @@ void Sutures::thread_through(std::vector<Stitch> spans, bool corner, double slac
   Thread t;
   t.id = holding_.next_thread++;
   for (Stitch& s : spans) {
-    t.length_mm += (held_mm(s.a) - held_mm(s.b)).norm();
+    t.length_mm += (tissue_.held_mm(s.a) - tissue_.held_mm(s.b)).norm();
     if (s.across()) s.slack_mm.setZero();
     s.thread = t.id;
     s.spring = holding_.next_spring++;
@@ -440,7 +434,7 @@ std::vector<Spring> springs(const Holding& holding, const WorldSpec& spec) {
   std::vector<Spring> springs;
   for (const Hook& h : holding.hooks) {
     Spring s;
-    s.id = h.spring, s.a = h.anchor.embedded, s.to_world = true, s.target_mm = h.handle_mm,
+    s.id = h.spring, s.a = h.anchor.embedded, s.a_wide = h.anchor.wide, s.to_world = true, s.target_mm = h.handle_mm,
     s.k_N_per_mm = spec.hook_k_N_per_mm;
     springs.push_back(s);
   }

@@ -32,7 +32,6 @@ class Sutures {
   void note_forces();
   /// To the present version of the topology; a thread that has lost a bite goes.
   void carry();
-  Vec3 held_mm(const Anchor& bite) const;  // where it is held now
   /// Stitches that join no two banks: the straight way from bite to bite, at rest, runs along one edge of
   /// a wound, over skin. O(stitches x rim)
   std::vector<int> in_one_bank() const;

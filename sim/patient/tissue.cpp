@@ -99,6 +99,13 @@ bool Tissue::carry(Anchor& anchor) const {
   return true;
 }
 
+Vec3 Tissue::held_mm(const Anchor& a) const {
+  if (a.wide.empty()) return position_mm(a.embedded);
+  Vec3 sum = Vec3::Zero();
+  for (const EmbeddedPoint& p : a.wide) sum += position_mm(p);
+  return sum / double(a.wide.size());
+}
+
 const RimWalk& Tissue::rim() const {
   if (!rim_ || rim_version_ != version_.surface->version)
     rim_ = std::make_unique<RimWalk>(version_.surface->view), rim_version_ = version_.surface->version;

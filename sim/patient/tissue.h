@@ -50,6 +50,8 @@ class Tissue {
   /// The same anchor on the present version; false: its tissue is gone.
   bool carry(Anchor& anchor) const;
   Vec3 position_mm(const EmbeddedPoint& e) const { return solver_->position_mm(e); }
+  /// Where it is held now: the mean of its places.
+  Vec3 held_mm(const Anchor& anchor) const;
   const RimWalk& rim() const;
 
   /// Every fixed node goes to where(its place at rest); free nodes stay until the next step.

@@ -31,6 +31,7 @@ struct WorldSpec {
   // a stitch holds the mean of its wound's edge over so much to either side; 0: one point of it
   double suture_bite_mm = 1;
   double hook_k_N_per_mm = 0.5;
+  double hook_tip_mm = 2;  // radius of the piece of skin that a hook holds, as one with two teeth does; 0: a point
   double suture_pull_mm_per_step = 0.5;  // how fast a stitch is drawn tight
   double region_mm = 0;  // > 0: tissue farther than this from the chart's origin holds still (lattice/region.h)
   bool can_cut = true;   // false: no cutter is built

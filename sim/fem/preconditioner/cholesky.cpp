@@ -38,19 +38,29 @@ std::vector<int32_t> nested_dissection(const ScalarMatrix& A) {
   return order;
 }
 
+// What CHOLMOD has asked for goes back, also when there is no memory for what is read from it.
+struct Analysis {
+  cholmod_common common;
+  cholmod_factor* L = nullptr;
+  Analysis() { cholmod_start(&common); }
+  ~Analysis() { cholmod_free_factor(&L, &common), cholmod_finish(&common); }
+  Analysis(const Analysis&) = delete;
+  Analysis& operator=(const Analysis&) = delete;
+};
+
 }  // namespace
 
 SupernodalShape analyze(const ScalarMatrix& A, std::span<const int32_t> order) {
   std::vector<int32_t> given = order.empty() ? nested_dissection(A) : std::vector<int32_t>(order.begin(), order.end());
-  cholmod_common common;
-  cholmod_start(&common);
+  Analysis analysis;
+  cholmod_common& common = analysis.common;
   common.print = 0;
   common.supernodal = CHOLMOD_SUPERNODAL;
   common.nmethods = 1;
   common.method[0].ordering = CHOLMOD_GIVEN;
   common.postorder = 1;
   cholmod_sparse S = cholmod_view(A);
-  cholmod_factor* L = cholmod_analyze_p(&S, given.data(), nullptr, 0, &common);
+  const cholmod_factor* L = analysis.L = cholmod_analyze_p(&S, given.data(), nullptr, 0, &common);
   SupernodalShape shape;
   const bool ok = L && common.status == CHOLMOD_OK && L->is_super;
   if (ok) {
@@ -62,10 +72,7 @@ SupernodalShape analyze(const ScalarMatrix& A, std::span<const int32_t> order) {
     shape.super = list(L->super, L->nsuper + 1), shape.rows_begin = list(L->pi, L->nsuper + 1);
     shape.rows = list(L->s, size_t(shape.rows_begin.back()));
   }
-  const bool no_memory = common.status == CHOLMOD_OUT_OF_MEMORY;
-  cholmod_free_factor(&L, &common);
-  cholmod_finish(&common);
-  if (!ok && no_memory) throw std::bad_alloc();
+  if (!ok && common.status == CHOLMOD_OUT_OF_MEMORY) throw std::bad_alloc();
   if (!ok) throw std::runtime_error("the scalar stiffness matrix could not be analysed");
   return shape;
 }
