@@ -12,7 +12,8 @@ namespace limberg {
 
 namespace fs = std::filesystem;
 
-void offer_to_continue(const std::vector<std::string>& folders) {
+std::string offer_to_continue(const std::vector<std::string>& folders) {
+  std::string first;
   std::vector<std::string> looked_at;
   for (const std::string& folder : folders) {
     std::error_code ec;
@@ -21,10 +22,14 @@ void offer_to_continue(const std::vector<std::string>& folders) {
     looked_at.push_back(real);
     if (auto left = longest_unfinished(folder)) {
       left->file = fs::path(left->file).lexically_normal().string();
-      say(fmt::format("{}: a session that was cut off after {:.1f} s; limberg run --continue {} goes on with it",
-                      left->file, left->length_s, left->file));
+      const std::string line =
+          fmt::format("{}: a session that was cut off after {:.1f} s; limberg run --continue {} goes on with it",
+                      left->file, left->length_s, left->file);
+      say(line);
+      if (first.empty()) first = line;
     }
   }
+  return first;
 }
 
 std::string name_of_continuation(const std::string& recording) {

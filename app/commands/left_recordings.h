@@ -5,9 +5,9 @@
 
 namespace limberg {
 
-/// One line for each of these folders in which such a recording lies, and how to go on with it. A folder may be named
-/// twice, be empty or not exist.
-void offer_to_continue(const std::vector<std::string>& folders);
+/// Says one line for each of these folders in which such a recording lies, and how to go on with it; returns the first
+/// of them, or nothing. A folder may be named twice, be empty or not exist.
+std::string offer_to_continue(const std::vector<std::string>& folders);
 
 /// The first of NAME-2.lcm, NAME-3.lcm, ... beside a recording that does not exist yet.
 std::string name_of_continuation(const std::string& recording);

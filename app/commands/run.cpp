@@ -118,7 +118,10 @@ int run_session(const RunOptions& o) {
     if (!o.common.out_dir.empty()) w.picture_dir = o.common.out_dir;
     call.keep_dir = w.picture_dir;
     w.lesson = lesson;
-    call.window = [w](const Scene& scene) { return open_window(scene, w); };
+    call.window = [w](const Scene& scene, const std::string& word) mutable {
+      w.word = word;
+      return open_window(scene, w);
+    };
   }
   if (o.cursor > 0) {
     ControlSample on;

@@ -344,10 +344,10 @@ AssemblyOptions assembly_options(const SessionCall& call) {
 }
 
 /// Null: there is none, and a device is enough.
-std::unique_ptr<SessionWindow> open_window(const SessionCall& call) {
+std::unique_ptr<SessionWindow> open_window(const SessionCall& call, const std::string& word) {
   if (!call.window) return nullptr;
   try {
-    return call.window(call.scene);
+    return call.window(call.scene, word);
   } catch (const RenderUnavailable& e) {
     say(e.what());
     if (call.sources.empty() && call.live_sources.empty())
@@ -447,13 +447,14 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   catch_interrupts();
   call.common.prepare();
   const std::optional<AsideRecording> aside = settle_recording(call);
-  if (!call.goes_on && call.command != "replay") offer_to_continue(folders_of(call, aside.has_value()));
+  std::string left;
+  if (!call.goes_on && call.command != "replay") left = offer_to_continue(folders_of(call, aside.has_value()));
 
   // The patient, and all that looks at it or acts on it.
   AssemblyOptions o = assembly_options(call);
   OffscreenFrames frames(call.scene, 640, 480);
   if (o.draw_frames) o.sink = &frames;
-  std::unique_ptr<SessionWindow> window = open_window(call);
+  std::unique_ptr<SessionWindow> window = open_window(call, left);
   if (window) o.sink = &window->sink(), o.draw_frames = true;
   std::unique_ptr<Film> film;
   if (call.film) {

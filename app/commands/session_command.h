@@ -54,8 +54,8 @@ struct SessionCall {
   std::string reproduce;                       // the command that makes the result again
   std::optional<bench::OperatingPoint> point;  // that the scene was set to (--auto)
   std::optional<FilmSettings> film;            // in lockstep: every frame goes into it
-  std::function<std::unique_ptr<SessionWindow>(const Scene&)>
-      window;                    // empty: none; RenderUnavailable: goes on without
+  // A window whose first word to the operator is this; empty: none. RenderUnavailable: goes on without
+  std::function<std::unique_ptr<SessionWindow>(const Scene&, const std::string& word)> window;
   std::optional<Lesson> lesson;  // by which the session is judged
   CommonOptions common;
 };

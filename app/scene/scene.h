@@ -24,7 +24,7 @@
 //                (do wound surfaces keep each other out? auto: as
 //                soon as something has been cut, the default)
 //   [springs]    suture_N_per_mm, suture_bite_mm (a stitch holds its
-//                edge over so much to either side; 1), hook_N_per_mm,
+//                edge over so much to either side; 2), hook_N_per_mm,
 //                hook_tip_mm (radius of the skin that a hook holds; 2)
 //   [solver]     iterations_per_step, steps_per_s, damping_per_s, seed,
 //                integrator = "backward_euler" | "bdf2" (of dynamic scenes)
@@ -73,7 +73,7 @@ struct Scene {
   int wound_level = 0;
   bool can_cut = true, dynamic = false;
   ContactChoice contact = ContactChoice::automatic;
-  double suture_N_per_mm = 20, suture_bite_mm = 1, hook_N_per_mm = 0.5, hook_tip_mm = 2;
+  double suture_N_per_mm = 20, suture_bite_mm = 2, hook_N_per_mm = 0.5, hook_tip_mm = 2;
   uint64_t seed = 1;
 
   int iterations_per_step = 10;

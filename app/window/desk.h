@@ -33,6 +33,7 @@ struct DeskFacts {
   double max_depth_mm = 9;
   bool own_device = false;  // another than the mouse
   bool calibrated = false;  // a calibration of it was given
+  std::string word = {};    // said until something is done; may be empty
 };
 
 /// What is chosen, and what is asked for once.
@@ -75,7 +76,7 @@ struct DeskReading {
 
 class Desk {
  public:
-  explicit Desk(DeskFacts facts) : facts_(std::move(facts)) {}
+  explicit Desk(DeskFacts facts) : facts_(std::move(facts)), last_word_(facts_.word) {}
   DeskState state;
 
   void notice(const Notice& n);

@@ -23,6 +23,7 @@ DeskFacts facts(const Scene& scene, const WindowCall& call) {
   for (const std::vector<Command>& step : lesson_steps(call.lesson)) f.lesson.push_back(in_words(step.front()));
   f.head = scene.head.has_value(), f.skin = scene.flesh;
   f.max_depth_mm = scene.tools.max_depth_mm;
+  f.word = call.word;
   return f;
 }
 

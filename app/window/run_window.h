@@ -17,6 +17,7 @@ struct WindowCall {
   std::string picture_dir = ".";
   std::string goal;
   std::vector<Command> lesson;  // what "next" shows, step by step; may be empty
+  std::string word;             // said first; may be empty
   bool mouse = true;            // the mouse uses tools (else it only chooses and looks)
 };
 

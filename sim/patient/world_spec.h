@@ -28,8 +28,9 @@ struct WorldSpec {
   std::shared_ptr<const Body> body;
   double cell_mm = 3.5;
   double suture_k_N_per_mm = 20;
-  // a stitch holds the mean of its wound's edge over so much to either side; 0: one point of it
-  double suture_bite_mm = 1;
+  // A stitch holds the mean of its wound's edge over so much to either side; 0: one point of it. A needle goes in and
+  // out about 2 mm behind the edge, and presses on about as much of it.
+  double suture_bite_mm = 2;
   double hook_k_N_per_mm = 0.5;
   double hook_tip_mm = 2;  // radius of the piece of skin that a hook holds, as one with two teeth does; 0: a point
   double suture_pull_mm_per_step = 0.5;  // how fast a stitch is drawn tight

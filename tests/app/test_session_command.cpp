@@ -61,7 +61,7 @@ class SessionCommand : public ::testing::Test {
     c.real_time = true;
     c.keep_dir = dir.string();
     c.common.json_file = (dir / "result.json").string();
-    c.window = [=](const Scene&) {
+    c.window = [=](const Scene&, const std::string&) {
       auto w = std::make_unique<NoWindow>();
       w->fails_at_ns = fails_at_ns, w->keeps = keeps;
       if (closes_after_ns >= 0) w->closes_at_ns = RealClock::monotonic_ns() + closes_after_ns;
@@ -124,6 +124,27 @@ TEST_F(SessionCommand, ClosingTheWindowEndsItAndIsNoFailure) {
   }
 }
 
+TEST_F(SessionCommand, TheWindowSaysThatASessionWasCutOff) {
+  std::vector<std::string> words;
+  const auto session = [&] {
+    SessionCall c = call(-1, 600'000'000, true);
+    c.window = [&words, opens = c.window](const Scene& scene, const std::string& word) {
+      words.push_back(word);
+      return opens(scene, word);
+    };
+    return run_session(std::move(c));
+  };
+  EXPECT_EQ(session(), kDone);
+  const fs::path kept = dir / "limberg-1.lcm";
+  ASSERT_TRUE(fs::exists(kept));
+  fs::resize_file(kept, fs::file_size(kept) * 3 / 4);
+  EXPECT_EQ(session(), kDone);
+  ASSERT_EQ(words.size(), 2u);
+  EXPECT_EQ(words[0], "");
+  EXPECT_NE(words[1].find("cut off after"), std::string::npos) << words[1];
+  EXPECT_NE(words[1].find("limberg run --continue " + kept.string()), std::string::npos) << words[1];
+}
+
 // Between the opening of a recording and its tick 0 the window opens, which may take seconds.
 TEST_F(SessionCommand, ARecordingSaysWhenItsTickZeroWasNotWhenItWasOpened) {
   const auto utc_ns = [] {
@@ -139,7 +160,7 @@ TEST_F(SessionCommand, ARecordingSaysWhenItsTickZeroWasNotWhenItWasOpened) {
   };
   int64_t shown_ns = 0;
   SessionCall c = call(-1, -1);
-  c.window = [&](const Scene&) {
+  c.window = [&](const Scene&, const std::string&) {
     auto w = std::make_unique<SlowWindow>();
     w->keeps = true, w->closes_at_ns = RealClock::monotonic_ns() + 1'000'000'000;
     w->slow = [&] { std::this_thread::sleep_for(std::chrono::milliseconds(200)), shown_ns = utc_ns(); };

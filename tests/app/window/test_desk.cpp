@@ -364,6 +364,28 @@ TEST_F(DeskTest, ASilentOrUncalibratedDeviceIsSaid) {
   EXPECT_GT(silent, 100);
 }
 
+TEST_F(DeskTest, AFirstWordIsSeenUntilSomethingIsDone) {
+  MemoryScreen screen;
+  HandFeed feed;
+  LaneGauges gauges;
+  const Snapshot s = testing::sample_snapshot();
+  const auto frames = [&](const std::string& word) {
+    WindowSettings set;
+    set.facts.scene = "rhomboid", set.facts.word = word;
+    set.camera.eye_mm = {5, -90, 130};
+    auto f = std::make_unique<WindowFrames>(screen, feed, &gauges, set);
+    f->prepare(*s.topology);
+    for (int i = 0; i < 3; ++i) f->frame(s, ToolState{});
+    return f;
+  };
+  const Image silent = frames("")->picture();
+  const auto said = frames("out/a.lcm: a session that was cut off after 12.3 s");
+  EXPECT_GT(different(silent, said->picture(), 400, 560, 900, 640), 300);
+  said->notice(Notice{});
+  for (int i = 0; i < 3; ++i) said->frame(s, ToolState{});
+  EXPECT_LT(different(silent, said->picture(), 400, 560, 900, 640, 20), 50);
+}
+
 TEST_F(DeskTest, HelpAndRefusalsAreSeen) {
   Window w;
   const Image plain = w.frames->picture();
