@@ -98,9 +98,9 @@ TEST(Held, ShearVanishesWhereTheBodyEnds) {
 
 // Skin on fat, held below, under loads so small that all is linear; in mm per N along and per half a newton upwards. A
 // patch is as wide as a cell or two, and as stiff as it lies among them: so all of these have its middle on a node.
-// CalculiX 2.20 (20-node hexahedra, 12 x 12 x 11 on a quarter, graded towards the patch; 2026-11-24) has 1.815 and
-// 1.768; block and OBJ are measured against each other, and along against that too (what is off upwards is the
-// bending of 1.5 mm of skin in cells of 5 mm: docs/validation.md).
+// CalculiX 2.20 (20-node hexahedra on a quarter, graded towards the patch, refined to 55,725 nodes; 2026-11-24) has
+// 1.820 and 1.769; block and OBJ are measured against each other, and along against that too (what is off upwards is
+// the bending of 1.5 mm of skin in cells of 5 mm: docs/validation.md).
 TEST(Held, SlabMovesAsTheSameBlockWhereverItsBordersFall) {
   const Vec3 pull(0.02, 0, 0), lift(0, 0, 0.01);
   for (double h : {5.0, 3.5}) {
@@ -110,7 +110,7 @@ TEST(Held, SlabMovesAsTheSameBlockWhereverItsBordersFall) {
       const SheetLattice general(slab(0), h, {0.5, 0.5, off});
       const double gx = 50 * patch_move(general, pull).x(), gz = 50 * patch_move(general, lift).z();
       EXPECT_NEAR(gx, bx, 0.1 * bx) << h << ' ' << off;
-      EXPECT_NEAR(gx, 1.815, 0.1 * 1.815) << h << ' ' << off;
+      EXPECT_NEAR(gx, 1.820, 0.1 * 1.820) << h << ' ' << off;
       EXPECT_NEAR(gz, bz, 0.2 * bz) << h << ' ' << off;
     }
   }
