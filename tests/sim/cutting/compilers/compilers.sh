@@ -23,7 +23,7 @@ for compiler in ${COMPILERS:-g++ clang++}; do
       $cache "$compiler" -std=c++20 $level -ffp-contract=off -I"$root" -isystem /usr/include/eigen3 -c "$source" -o "$object" || exit 1
       objects="$objects $object"
     done
-    rm -f "$dir/all.a" && ar rcs "$dir/all.a" $objects && "$compiler" $level "$object" "$dir/all.a" -o "$dir/history" || exit 1
+    rm -f "$dir/all.a" && ar rcs "$dir/all.a" $objects && "$compiler" $level "$object" "$dir/all.a" -lfmt -o "$dir/history" || exit 1
     printf '%-8s %s  ' "$compiler" "$level"
     "$dir/history" || failed=1
   done
