@@ -4,17 +4,14 @@
 
 #include <algorithm>
 
-#include "sim/lattice/embedding.h"
 #include "sim/patient/skin_patch.h"
 
 namespace limberg {
 
 void Hooks::widen(Anchor& anchor) const {
   anchor.wide.clear();
-  const TissueVersion& now = tissue_.version();
-  for (const SurfacePoint& p : skin_patch(now.surface->view, anchor.at, tissue_.spec().hook_tip_mm))
-    anchor.wide.push_back(
-        embed_point(*now.lattice, now.surface->view, p.triangle, {p.bary.x(), p.bary.y(), p.bary.z()}));
+  for (const SurfacePoint& p : skin_patch(tissue_.version().surface->view, anchor.at, tissue_.spec().hook_tip_mm))
+    anchor.wide.push_back(tissue_.embed(p));
 }
 
 Outcome Hooks::act(const SetHook& c) {

@@ -1,6 +1,7 @@
 #include "sim/patient/skin_patch.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace limberg {

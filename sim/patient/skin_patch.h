@@ -4,7 +4,7 @@
 // A force on a point has no limit as cells shrink: the tissue under it gives way without end. A tip has a size. Its
 // places are found by walking along the skin at rest, straight ahead from triangle to triangle, and a walk that comes
 // to a wound's edge holds nothing: the other bank is never reached, however near it lies.
-#include <array>
+#include <optional>
 #include <vector>
 
 #include "sim/patient/rest_index.h"

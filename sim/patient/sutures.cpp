@@ -64,7 +64,7 @@ std::optional<Anchor> Sutures::bite_at(const SurfacePoint& rim, double depth_mm,
   } else {
     anchor = make_anchor(tissue_.version().surface->view, *tissue_.version().index, rim);
   }
-  anchor->embedded = tissue_.embed(*anchor);
+  anchor->embedded = tissue_.embed(anchor->at);
   return anchor;
 }
 
@@ -111,8 +111,7 @@ void Sutures::widen(Anchor& anchor) const {
   if (!spot) return;
   for (int k = -kBitePlaces / 2; k <= kBitePlaces / 2; ++k)
     if (const auto at = tissue_.rim().along(*spot, anchor.bite_mm * 2 * k / kBitePlaces))
-      anchor.wide.push_back(embed_point(*tissue_.version().lattice, tissue_.version().surface->view, at->triangle,
-                                        {at->bary.x(), at->bary.y(), at->bary.z()}));
+      anchor.wide.push_back(tissue_.embed(*at));
 }
 
 namespace {

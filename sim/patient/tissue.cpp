@@ -82,20 +82,19 @@ std::optional<Anchor> Tissue::find_anchor(const ChartPoint& p, bool on_rim, std:
   if (on_rim)
     if (const auto rim = version_.index->snap_to_rim(*point, kStitchReach_mm)) point = rim;
   Anchor anchor = make_anchor(version_.surface->view, *version_.index, *point);
-  anchor.embedded = embed(anchor);
+  anchor.embedded = embed(anchor.at);
   return anchor;
 }
 
-EmbeddedPoint Tissue::embed(const Anchor& anchor) const {
-  return embed_point(*version_.lattice, version_.surface->view, anchor.at.triangle,
-                     {anchor.at.bary.x(), anchor.at.bary.y(), anchor.at.bary.z()});
+EmbeddedPoint Tissue::embed(const SurfacePoint& p) const {
+  return embed_point(*version_.lattice, version_.surface->view, p.triangle, {p.bary.x(), p.bary.y(), p.bary.z()});
 }
 
 bool Tissue::carry(Anchor& anchor) const {
   const auto next = carry_anchor(anchor, version_.surface->view, *version_.index);
   if (!next) return false;
   anchor = *next;
-  anchor.embedded = embed(anchor);
+  anchor.embedded = embed(anchor.at);
   return true;
 }
 

@@ -46,7 +46,7 @@ class Tissue {
   std::optional<SurfacePoint> find_skin(const ChartPoint& p, std::string& reason) const;
   /// on_rim: on the wound's edge, where one is within kStitchReach_mm.
   std::optional<Anchor> find_anchor(const ChartPoint& p, bool on_rim, std::string& reason) const;
-  EmbeddedPoint embed(const Anchor& anchor) const;
+  EmbeddedPoint embed(const SurfacePoint& p) const;
   /// The same anchor on the present version; false: its tissue is gone.
   bool carry(Anchor& anchor) const;
   Vec3 position_mm(const EmbeddedPoint& e) const { return solver_->position_mm(e); }
