@@ -5,6 +5,7 @@
 
 #include "sim/base/number_set.h"
 #include "sim/lattice/contradiction.h"
+#include "sim/lattice/copy_layers.h"
 
 namespace limberg {
 namespace {
@@ -15,19 +16,27 @@ double counts_as_full(bool divisible, int level) { return 1 - (divisible ? 0.006
 
 class Assembly {
  public:
-  Assembly(const StencilTable& table, const LatticeTopology& t)
-      : table_(table), t_(t), whole_mm3_(t.grid.cell_mm().prod()) {}
+  Assembly(const StencilTable& table, const LatticeTopology& t, const MaterialSurface* surface)
+      : table_(table), t_(t), surface_(surface), whole_mm3_(t.grid.cell_mm().prod()) {}
 
-  HexCell cell(const CellCopy& copy) const {
+  HexCell cell(int32_t id) const {
+    const CellCopy& copy = t_.cells[size_t(id)];
     HexCell out;
     out.node = copy.node;
     const CellPlace place = t_.tree.place(t_.grid, copy.cell);
     for (int a = 0; a < 3; ++a) out.at[size_t(a)] = int16_t(2 * place.at[a] >> place.level);
     out.level = uint8_t(place.level);
-    out.stencil = table_.of_place(place);
+    out.stencil = stencil(id, place);
     if (out.stencil < 0) throw Contradiction("material in a lattice cell for which there is no stencil");
     out.scale = scale(copy.fraction, place.level, out.stencil);
     return out;
+  }
+  int32_t stencil(int32_t id, const CellPlace& place) const {
+    const int32_t cell = t_.cells[size_t(id)].cell;
+    if (surface_ && t_.components[size_t(cell)])
+      for (int k = 0; k < t_.copies_of(cell); ++k)
+        if (t_.copy(cell, k) == id) return stencil_of_copy(table_, *surface_, t_, cell, k);
+    return table_.of_place(place);
   }
   float scale(double fraction, int level, int32_t stencil) const {
     const double whole = whole_mm3_ / double(1 << 3 * level), body = table_.body_mm3(stencil);
@@ -35,12 +44,10 @@ class Assembly {
     return fraction > counts_as_full(t_.divides(), level) ? 1.0f : float(std::max(fraction, kLeastFraction));
   }
   double mass_kg(const CellCopy& copy, const HexCell& cell) const {
-    int32_t stencil = cell.stencil;
-    if (cell.level > 0) {  // a part weighs as the cell that it is a part of: division does not change the mass
-      const CellPlace place = t_.tree.place(t_.grid, copy.cell);
-      stencil = table_.of_cell(
-          t_.grid.cell_index({place.at.x >> place.level, place.at.y >> place.level, place.at.z >> place.level}));
-    }
+    // A part weighs as the cell that it is a part of, and so does a copy: neither division nor a cut changes the mass.
+    const CellPlace place = t_.tree.place(t_.grid, copy.cell);
+    const int32_t stencil = table_.of_cell(
+        t_.grid.cell_index({place.at.x >> place.level, place.at.y >> place.level, place.at.z >> place.level}));
     const double volume = whole_mm3_ / double(1 << 3 * cell.level);
     return std::max(copy.fraction, 0.0) * volume * table_.stencils()[size_t(stencil)].density_kg_mm3;
   }
@@ -60,6 +67,7 @@ class Assembly {
 
   const StencilTable& table_;
   const LatticeTopology& t_;
+  const MaterialSurface* surface_;
   double whole_mm3_;
 };
 
@@ -69,8 +77,9 @@ void Assembly::all(FemModel& model) const {
   std::vector<uint8_t> fixed(nodes, 0);
   std::vector<double> mass(nodes, 0);
   model.cells.reserve(t_.cells.size());
-  for (const CellCopy& copy : t_.cells) {
-    const HexCell made = cell(copy);
+  for (size_t id = 0; id < t_.cells.size(); ++id) {
+    const CellCopy& copy = t_.cells[id];
+    const HexCell made = cell(int32_t(id));
     model.cells.push_back(made);
     const double share = mass_kg(copy, made) / 8;
     for (int32_t n : copy.node) mass[size_t(n)] += share;
@@ -109,9 +118,10 @@ void Assembly::changed(FemModel& model, const EarlierModel& before) const {
     HexCell now = before.model.cells[parent];
     if (copy.cell == before.topology.cells[parent].cell) {
       now.node = copy.node;
+      if (surface_) now.stencil = stencil(int32_t(c), t_.tree.place(t_.grid, copy.cell));
       now.scale = scale(copy.fraction, now.level, now.stencil);
     } else {
-      now = cell(copy);
+      now = cell(int32_t(c));
     }
     if (c < model.cells.size())
       model.cells.set(c, now);
@@ -178,7 +188,7 @@ void Assembly::nodes_again(FemModel& model, std::span<const int32_t> nodes) cons
 }  // namespace
 
 std::shared_ptr<const FemModel> assemble_fem(const StencilTable& table, const LatticeTopology& t,
-                                             const EarlierModel* before) {
+                                             const EarlierModel* before, const MaterialSurface* surface) {
   auto model = std::make_shared<FemModel>();
   model->cell_mm = t.grid.cell_mm();
   model->graded = !t.grading.empty();
@@ -193,7 +203,7 @@ std::shared_ptr<const FemModel> assemble_fem(const StencilTable& table, const La
     for (size_t k = 0; k < size_t(h.count); ++k) out.weight[k] = 1 / float(h.count);
     model->hanging.push_back(out);
   }
-  const Assembly assembly(table, t);
+  const Assembly assembly(table, t, surface);
   const bool grows = before && t.cell_parent.same() >= before->topology.cells.size() &&
                      t.nodes.size() >= before->topology.nodes.size() &&
                      t.node_in_material == before->topology.node_in_material;

@@ -10,8 +10,9 @@
 //
 // A cell copy takes its stencil times its volume over that for which the stencil stands (body_mm3), the whole cell or
 // the body's part of it, with at least kLeastFraction of the cell; a fraction above 0.998 of a whole cell counts as 1,
-// so that the micrometres by which lattice planes lie outside a block do not load it. Copies of one cell have the same
-// mixture of layers, whatever was cut between them. Masses take the exact fraction. Parts of divided cells have
+// so that the micrometres by which lattice planes lie outside a block do not load it. Copies of one cell whose wall
+// parts its layers have stencils of their own mixtures (copy_layers.h). Masses take the exact fraction and the cell's
+// mean density. Parts of divided cells have
 // stencils of their own size (Stencil::level), made in the same way when they are first asked for; where planes must
 // lie further out so that cells can be divided (grid_fit.h), a little less than full counts as full.
 // FemModel::cells[i] is LatticeTopology::cells[i], FemModel node i is LatticeTopology::nodes[i].
@@ -27,6 +28,7 @@ namespace limberg {
 
 struct LayerMatter;
 struct HeldCorners;
+struct LayeredCell;
 class CellCutter;
 /// A cell is looked at on the corners of kSplit^3 boxes, x fastest (cut_cells.h).
 inline constexpr int kSplit = 4, kSamples = (kSplit + 1) * (kSplit + 1) * (kSplit + 1);
@@ -52,6 +54,14 @@ class StencilTable {
   /// The volume of tissue that a stencil stands for: the body's in a cell that it does not fill, else the cell's.
   double body_mm3(int32_t stencil) const { return body_mm3_[size_t(stencil)]; }
 
+  /// The depth at which each layer of the body ends but for the last, ascending.
+  const std::vector<double>& layer_ends() const { return layer_ends_; }
+  /// What the stencil of a whole cell was made from, if that is several layers whose corners nothing holds; else null.
+  const LayeredCell* layered(int32_t stencil) const { return layered_[size_t(stencil)].get(); }
+  /// The stencil of a layered cell with other shares of the layers, in steps (copy_layers.h); stands for the same
+  /// volume. May add to stencils(), so one thread at a time.
+  int32_t mixed(int32_t stencil, const std::vector<int32_t>& steps) const;
+
   /// Where a lattice node, or a corner of a part, may be held; in eighths
   /// of a cell. Block: bit 2 axis + (0 low, 1 high) per outermost plane
   /// whose side is fixed. Other bodies, when the surface triangle nearest
@@ -66,16 +76,19 @@ class StencilTable {
   void find_held(const Skin& skin, const LatticeGrid& grid);
   HeldCorners held_corners(Int3 cell);
   HeldCorners held_part(const LatticeGrid& grid, Int3 at, int level) const;
-  std::pair<Stencil, double> cut_cell(const CellCutter& cutter, const CellSamples& samples, const HeldCorners& held,
-                                      const Vec3& centre_mm, double depth_mm) const;
-  int32_t add(const Stencil& s, double body_mm3) const;
-  int32_t intern(const Stencil& s, double body_mm3) const;
-  Stencil block_row(const LatticeGrid& grid, int32_t z) const;
-  int32_t general_part(const LatticeGrid& grid, Int3 at, int level) const;
+  struct Made;  // a stencil, the volume that it stands for, and what it was made from
+  Made cut_cell(const CellCutter& cutter, const CellSamples& samples, const HeldCorners& held, const Vec3& centre_mm,
+                const Skin::Place& at_centre) const;
+  int32_t add(Made made) const;
+  int32_t intern(Made made) const;
+  Made block_row(const LatticeGrid& grid, int32_t z) const;
+  Made general_part(const LatticeGrid& grid, Int3 at, int level) const;
   std::vector<LayerMatter> matter_;  // per layer
   std::vector<LawPtr> laws_;
   mutable SharedArray<Stencil> stencils_;
-  mutable std::vector<double> body_mm3_;                    // per stencil
+  std::vector<double> layer_ends_;
+  mutable std::vector<double> body_mm3_;  // per stencil
+  mutable std::vector<std::shared_ptr<LayeredCell>> layered_;
   mutable std::map<uint64_t, std::vector<int32_t>> alike_;  // stencils by a hash of some of their numbers
   std::vector<int32_t> of_cell_;
   std::vector<uint8_t> fixed_;
@@ -98,8 +111,10 @@ struct EarlierModel {
   const LatticeTopology& topology;
   const FemModel& model;
 };
+/// `surface`: what the topology was made from; without it copies have the mixture of layers of their cell.
 std::shared_ptr<const FemModel> assemble_fem(const StencilTable& table, const LatticeTopology& topology,
-                                             const EarlierModel* before = nullptr);
+                                             const EarlierModel* before = nullptr,
+                                             const MaterialSurface* surface = nullptr);
 
 /// The axes of prestretch of a flat piece of skin: `along` and `across` orthonormal, normal = along x across.
 struct StretchFrame {

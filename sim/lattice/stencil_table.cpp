@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <tuple>
 
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/lattice/held_cells.h"
+#include "sim/lattice/layered_cell.h"
 
 namespace limberg {
 namespace {
@@ -85,7 +85,7 @@ double spread_of(double fraction) {
 // A cell of which the body takes less (by its samples) is taken as one of one layer.
 constexpr double kSliver = 1e-3;
 
-std::vector<double> layer_ends(const Body& body) {
+std::vector<double> ends_of_layers(const Body& body) {
   std::vector<double> end;
   for (size_t l = 0; l + 1 < body.layers.size(); ++l) end.push_back((l ? end[l - 1] : 0) + body.layers[l].thickness_mm);
   return end;
@@ -112,12 +112,19 @@ CellSamples above_held(const HeldCorners& held, const Skin::Place& place) {
 
 }  // namespace
 
+struct StencilTable::Made {
+  Stencil stencil;
+  double body_mm3 = 0;
+  std::shared_ptr<LayeredCell> layered;
+};
+
 StencilTable::~StencilTable() = default;
 
 StencilTable::StencilTable(const Skin& skin, const LatticeGrid& grid) {
   const Body& body = skin.body();
   check_layers(body);
   matter_ = layer_matter(body, laws_);
+  layer_ends_ = ends_of_layers(body);
   skin_ = &skin, grid_ = grid, is_block_ = skin_on_top(body);
   of_cell_.assign(size_t(grid.count.x) * size_t(grid.count.y) * size_t(grid.count.z), 0);
   fixed_.assign(size_t(grid.count.x + 1) * size_t(grid.count.y + 1) * size_t(grid.count.z + 1), 0);
@@ -176,9 +183,11 @@ static uint64_t some_of(const Stencil& s, double body_mm3) {
   return h.value();
 }
 
-int32_t StencilTable::intern(const Stencil& s, double body_mm3) const {
+int32_t StencilTable::intern(Made made) const {
+  const Stencil& s = made.stencil;
+  const double body_mm3 = made.body_mm3;
   const auto alike = alike_.find(some_of(s, body_mm3));
-  if (alike == alike_.end()) return add(s, body_mm3);
+  if (alike == alike_.end()) return add(std::move(made));
   for (const int32_t at : alike->second) {
     const size_t i = size_t(at);
     const Stencil& o = std::as_const(stencils_)[i];
@@ -196,11 +205,11 @@ int32_t StencilTable::intern(const Stencil& s, double body_mm3) const {
                    }))
       return int32_t(i);
   }
-  return add(s, body_mm3);
+  return add(std::move(made));
 }
 
 // Row z of a grid over a block.
-Stencil StencilTable::block_row(const LatticeGrid& grid, int32_t k) const {
+StencilTable::Made StencilTable::block_row(const LatticeGrid& grid, int32_t k) const {
   const Body& body = skin_->body();
   const Vec3 h = grid.cell_mm();
   StretchFrame frame;
@@ -214,6 +223,9 @@ Stencil StencilTable::block_row(const LatticeGrid& grid, int32_t k) const {
   const double low = grid.node_mm({0, 0, k}).z(), high = grid.node_mm({0, 0, k + 1}).z();
   Stencil s;
   std::vector<LayerPart> parts;
+  auto layered = std::make_shared<LayeredCell>();
+  layered->moments.resize(body.layers.size()), layered->frame = frame;
+  layered->depth.at_centre_mm = top - 0.5 * (low + high);
   double from = -INFINITY;  // depth of the layer's upper side; the first reaches up without end, the last down
   for (size_t l = 0; l < body.layers.size(); ++l) {
     const double to = l + 1 == body.layers.size() ? INFINITY : (l ? from : 0) + body.layers[l].thickness_mm;
@@ -224,18 +236,20 @@ Stencil StencilTable::block_row(const LatticeGrid& grid, int32_t k) const {
       if (b - a > 1e-9) {
         add_box(s, h, {0, 0, a}, {1, 1, b}, matter_[l], frame);
         parts.push_back({&matter_[l], box_moments(h, {0, 0, a}, {1, 1, b})});
+        layered->moments[l] = box_cell_moments(h, {0, 0, a}, {1, 1, b});
       }
     }
     from = to;
   }
   finish_stencil(s);
   share_cell(s, h, parts, frame);
-  return s;
+  if (parts.size() < 2) layered = nullptr;
+  return {std::move(s), h.prod(), std::move(layered)};
 }
 
 void StencilTable::fill_block(const Body& body, const LatticeGrid& grid) {
   std::vector<int32_t> of_row;
-  for (int32_t k = 0; k < grid.count.z; ++k) of_row.push_back(intern(block_row(grid, k), grid.cell_mm().prod()));
+  for (int32_t k = 0; k < grid.count.z; ++k) of_row.push_back(intern(block_row(grid, k)));
   for (size_t c = 0; c < of_cell_.size(); ++c) of_cell_[c] = of_row[size_t(grid.cell_at(int32_t(c)).z)];
 
   // Sides of the box that are fixed, and the planes that stand for them.
@@ -261,52 +275,99 @@ void StencilTable::fill_block(const Body& body, const LatticeGrid& grid) {
   }
 }
 
-// The stencil of a cell that the surface or a layer's border crosses, and the body's volume in it.
-std::pair<Stencil, double> StencilTable::cut_cell(const CellCutter& cutter, const CellSamples& samples,
-                                                  const HeldCorners& held, const Vec3& centre, double depth) const {
-  const Vec3 h = cutter.cell_mm();
-  const Skin::Frame f = skin_->frame(centre);
-  const StretchFrame frame{f.along, f.across, f.normal};
-  std::vector<CellMoments> moments = cutter.moments(samples);
-  double volume = 0;
-  for (const CellMoments& m : moments) volume += m.volume_mm3();
-  const double whole = h.prod();
-  Stencil s;
-  if (volume < kSliver * whole) {
-    add_box(s, h, Vec3::Zero(), Vec3::Ones(), matter_[size_t(skin_->layer_at(std::max(depth, 0.0)))], frame);
-    finish_stencil(s);
-    return {s, whole};
-  }
-  const double spread = spread_of(volume / whole);
-  const CellMoments box = box_cell_moments(h, Vec3::Zero(), Vec3::Ones());
+namespace {
+
+// A cell that has these moments of the layers and nothing else, before its layers share it.
+struct OfMoments {
+  Stencil stencil;
   std::vector<LayerPart> parts;
+  double body_mm3 = 0, spread = 0;
+};
+
+OfMoments of_moments(const Vec3& h, const std::vector<CellMoments>& moments, const std::vector<LayerMatter>& matter,
+                     const StretchFrame& frame) {
+  OfMoments out;
+  for (const CellMoments& m : moments) out.body_mm3 += m.volume_mm3();
+  const double whole = h.prod();
+  out.spread = spread_of(out.body_mm3 / whole);
+  const CellMoments box = box_cell_moments(h, Vec3::Zero(), Vec3::Ones());
+  Stencil& s = out.stencil;
   // The push of the rest pressures is integrated like the pull of K that it balances: no point of the cell has the
   // product of two coordinates of a piece that lies askew.
   Eigen::Matrix<double, 8, 3> push = Eigen::Matrix<double, 8, 3>::Zero();
   bool all_push = true;
   for (size_t l = 0; l < moments.size(); ++l) {
     const double V = moments[l].volume_mm3();
-    if (!(V > 1e-9 * volume)) continue;
+    if (!(V > 1e-9 * out.body_mm3)) continue;
     CellMoments m = box;
-    for (double& x : m.of) x *= spread * V / whole;
-    m.add(moments[l], 1 - spread);
+    for (double& x : m.of) x *= out.spread * V / whole;
+    m.add(moments[l], 1 - out.spread);
     const double before = s.p0_kPa;  // times volume, until the stencil is finished
-    add_moments(s, h, m, matter_[l], frame);
-    parts.push_back({&matter_[l], layer_moments(h, m)});
-    push += (s.p0_kPa - before) / m.volume_mm3() * parts.back().moments.B;
+    add_moments(s, h, m, matter[l], frame);
+    out.parts.push_back({&matter[l], layer_moments(h, m)});
+    push += (s.p0_kPa - before) / m.volume_mm3() * out.parts.back().moments.B;
     all_push = all_push && s.p0_kPa > before;
   }
   if (all_push) s.mean_gradients = std::make_shared<const Eigen::Matrix<double, 8, 3>>(push / s.p0_kPa);
   finish_stencil(s);
-  if (!held.held || !hold_at_surface(s, h, held, cutter.points(samples), matter_, frame, spread))
-    share_cell(s, h, parts, frame, spread > 0);
-  return {s, volume};
+  return out;
 }
 
-int32_t StencilTable::add(const Stencil& s, double volume_mm3) const {
-  stencils_.push_back(s);
-  body_mm3_.push_back(volume_mm3);
-  alike_[some_of(s, volume_mm3)].push_back(int32_t(stencils_.size()) - 1);
+}  // namespace
+
+// Of a cell that the surface or a layer's border crosses.
+StencilTable::Made StencilTable::cut_cell(const CellCutter& cutter, const CellSamples& samples, const HeldCorners& held,
+                                          const Vec3& centre, const Skin::Place& at_centre) const {
+  const Vec3 h = cutter.cell_mm();
+  const Skin::Frame f = skin_->frame(centre);
+  const StretchFrame frame{f.along, f.across, f.normal};
+  std::vector<CellMoments> moments = cutter.moments(samples);
+  double volume = 0;
+  for (const CellMoments& m : moments) volume += m.volume_mm3();
+  if (volume < kSliver * h.prod()) {
+    Stencil s;
+    add_box(s, h, Vec3::Zero(), Vec3::Ones(), matter_[size_t(skin_->layer_at(std::max(at_centre.depth_mm, 0.0)))],
+            frame);
+    finish_stencil(s);
+    return {std::move(s), h.prod(), nullptr};
+  }
+  OfMoments made = of_moments(h, moments, matter_, frame);
+  Stencil& s = made.stencil;
+  if (held.held && hold_at_surface(s, h, held, cutter.points(samples), matter_, frame, made.spread))
+    return {std::move(s), volume, nullptr};
+  share_cell(s, h, made.parts, frame, made.spread > 0);
+  std::shared_ptr<LayeredCell> layered;
+  if (made.parts.size() > 1) {
+    layered = std::make_shared<LayeredCell>();
+    layered->moments = std::move(moments), layered->frame = frame;
+    layered->depth = {at_centre.depth_mm, at_centre.down};
+  }
+  return {std::move(s), volume, std::move(layered)};
+}
+
+int32_t StencilTable::mixed(int32_t stencil, const std::vector<int32_t>& steps) const {
+  LayeredCell& cell = *layered_[size_t(stencil)];
+  const auto [it, is_new] = cell.mixed.try_emplace(steps, -1);
+  if (!is_new) return it->second;
+  double volume = 0, sum = 0;
+  for (const CellMoments& m : cell.moments) volume += m.volume_mm3();
+  for (const int32_t n : steps) sum += n;
+  std::vector<CellMoments> moments(cell.moments.size());
+  for (size_t l = 0; l < moments.size(); ++l)
+    if (steps[l] > 0) moments[l].add(cell.moments[l], volume * steps[l] / sum / cell.moments[l].volume_mm3());
+  const uint8_t level = std::as_const(stencils_)[size_t(stencil)].level;
+  const Vec3 h = cell_size_mm(grid_.cell_mm(), level);
+  OfMoments made = of_moments(h, moments, matter_, cell.frame);
+  share_cell(made.stencil, h, made.parts, cell.frame, made.spread > 0);
+  made.stencil.level = level;
+  return it->second = intern({std::move(made.stencil), body_mm3(stencil), nullptr});
+}
+
+int32_t StencilTable::add(Made made) const {
+  alike_[some_of(made.stencil, made.body_mm3)].push_back(int32_t(stencils_.size()));
+  stencils_.push_back(std::move(made.stencil));
+  body_mm3_.push_back(made.body_mm3);
+  layered_.push_back(std::move(made.layered));
   return int32_t(stencils_.size()) - 1;
 }
 
@@ -315,7 +376,7 @@ void StencilTable::fill_general(const Skin& skin, const LatticeGrid& grid) {
   const double reach = 0.5 * h.norm(), whole_mm3 = h.prod();
   const std::vector<uint8_t> used = cells_of_body(skin.surface(), grid);
   find_held(skin, grid);
-  const CellCutter cutter(h, layer_ends(skin.body()));
+  const CellCutter cutter(h, layer_ends_);
   Sampler sampler(skin, grid);
   std::vector<int32_t> whole(skin.body().layers.size(), -1);  // stencil of a full cell of a layer without prestretch
   Skin::Near near;
@@ -337,7 +398,7 @@ void StencilTable::fill_general(const Skin& skin, const LatticeGrid& grid) {
         Stencil s;
         add_box(s, h, Vec3::Zero(), Vec3::Ones(), matter_[size_t(upper)], {});
         finish_stencil(s);
-        one = add(s, whole_mm3);
+        one = add({std::move(s), whole_mm3, nullptr});
       }
       of_cell_[c] = one;
     } else if (upper == lower && !cut) {
@@ -345,12 +406,10 @@ void StencilTable::fill_general(const Skin& skin, const LatticeGrid& grid) {
       const Skin::Frame f = skin.frame(centre);
       add_box(s, h, Vec3::Zero(), Vec3::Ones(), matter_[size_t(upper)], {f.along, f.across, f.normal});
       finish_stencil(s);
-      of_cell_[c] = add(s, whole_mm3);
+      of_cell_[c] = add({std::move(s), whole_mm3, nullptr});
     } else {
       const bool skin_is_near = upper != lower || std::abs(place.depth_mm) < reach;
-      const auto [s, volume] =
-          cut_cell(cutter, skin_is_near ? sampler.of(at) : above_held(held, place), held, centre, place.depth_mm);
-      of_cell_[c] = add(s, volume);
+      of_cell_[c] = add(cut_cell(cutter, skin_is_near ? sampler.of(at) : above_held(held, place), held, centre, place));
     }
   }
 }
@@ -417,7 +476,7 @@ HeldCorners StencilTable::held_part(const LatticeGrid& grid, Int3 at, int level)
 }
 
 // As the loop of fill_general, for one part of a cell.
-int32_t StencilTable::general_part(const LatticeGrid& grid, Int3 at, int level) const {
+StencilTable::Made StencilTable::general_part(const LatticeGrid& grid, Int3 at, int level) const {
   const Vec3 h = grid.cell_mm(), low = grid.node_mm(at), centre = low + 0.5 * h;
   const double reach = 0.5 * h.norm();
   Skin::Near near;
@@ -425,26 +484,24 @@ int32_t StencilTable::general_part(const LatticeGrid& grid, Int3 at, int level) 
   const int upper = skin_->layer_at(place.depth_mm - reach), lower = skin_->layer_at(place.depth_mm + reach);
   const bool stretched = upper != lower || matter_[size_t(upper)].directed();
   const HeldCorners held = held_part(grid, at, level);
-  Stencil s;
-  double volume = h.prod();
+  Made made{{}, h.prod(), nullptr};
   if (upper == lower && !held.held && (!stretched || !(place.inside_mm < reach))) {
     StretchFrame frame;
     if (stretched) {
       const Skin::Frame f = skin_->frame(centre);
       frame = {f.along, f.across, f.normal};
     }
-    add_box(s, h, Vec3::Zero(), Vec3::Ones(), matter_[size_t(upper)], frame);
-    finish_stencil(s);
+    add_box(made.stencil, h, Vec3::Zero(), Vec3::Ones(), matter_[size_t(upper)], frame);
+    finish_stencil(made.stencil);
   } else {
     CellSamples samples;
     if (held.held && upper == lower && !(std::abs(place.depth_mm) < reach))
       samples = above_held(held, place);
     else
       for (int n = 0; n < kSamples; ++n) samples[size_t(n)] = skin_->place(low + h.cwiseProduct(sample_place(n)), near);
-    std::tie(s, volume) = cut_cell(CellCutter(h, layer_ends(skin_->body())), samples, held, centre, place.depth_mm);
+    made = cut_cell(CellCutter(h, layer_ends_), samples, held, centre, place);
   }
-  s.level = uint8_t(level);
-  return intern(s, volume);
+  return made;
 }
 
 int32_t StencilTable::of_place(const CellPlace& place) const {
@@ -453,13 +510,9 @@ int32_t StencilTable::of_place(const CellPlace& place) const {
   const auto [it, is_new] = of_part_.try_emplace(key, -1);
   if (is_new) {
     const LatticeGrid grid = grid_.at_level(place.level);
-    if (is_block_) {
-      Stencil s = block_row(grid, place.at.z);
-      s.level = uint8_t(place.level);
-      it->second = intern(s, grid.cell_mm().prod());
-    } else {
-      it->second = general_part(grid, place.at, place.level);
-    }
+    Made made = is_block_ ? block_row(grid, place.at.z) : general_part(grid, place.at, place.level);
+    made.stencil.level = uint8_t(place.level);
+    it->second = intern(std::move(made));
   }
   return it->second;
 }

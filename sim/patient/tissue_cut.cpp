@@ -140,7 +140,9 @@ Outcome TissueCut::build() {
   try {
     next_.lattice = followed_;
     assembling = t.workers_.submit([&] {
-      next_.model = hold_outside(assemble_fem(*t.stencils_, *next_.lattice, &before), *t.body_, t.spec_.region_mm);
+      const MaterialSurface surface = material_surface(arrangement_);
+      next_.model =
+          hold_outside(assemble_fem(*t.stencils_, *next_.lattice, &before, &surface), *t.body_, t.spec_.region_mm);
     });
     drawing->wait();
     t.make_surface(next_, std::move(drawn));

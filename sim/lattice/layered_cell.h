@@ -1,0 +1,26 @@
+#pragma once
+// What a stencil of several layers was made from, kept so that a copy with another mixture can have one of its own.
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "sim/lattice/stencil_integrals.h"
+
+namespace limberg {
+
+/// Depth below the skin in a cell: at its centre, and the unit vector along which it grows by 1 mm a mm.
+struct CellDepth {
+  double at_centre_mm = 0;
+  Vec3 down = -Vec3::UnitZ();
+};
+
+struct LayeredCell {
+  std::vector<CellMoments> moments;  // per layer of the body, of all of the cell
+  StretchFrame frame;
+  CellDepth depth;
+  /// Stencils of other mixtures, by the layers' shares in steps (copy_layers.h).
+  std::map<std::vector<int32_t>, int32_t> mixed;
+  double volume_mm3(size_t layer) const { return moments[layer].volume_mm3(); }
+};
+
+}  // namespace limberg
