@@ -20,6 +20,7 @@
 #include "app/program/shipped.h"
 #include "app/report/report_names.h"
 #include "app/result/discretisation.h"
+#include "app/result/error_goal.h"
 #include "app/result/metrics.h"
 #include "app/result/output.h"
 #include "app/result/progress.h"
@@ -38,6 +39,8 @@ struct OperateOptions {
   std::string scene, script, lesson, fields;
   double cell_mm = 0;
   std::vector<double> cells;
+  std::string error;  // --error
+  double limit_s = 600;
   std::vector<std::string> orders;
   CommonOptions common;
 };
@@ -49,6 +52,26 @@ struct Row {
   size_t nodes = 0;
   Metrics key;
 };
+
+std::vector<SizedFigures> figures_of(const std::vector<Row>& rows) {
+  std::vector<SizedFigures> out;
+  for (const Row& x : rows) out.push_back({x.fitted_mm, x.key, x.distance_mm});
+  return out;
+}
+
+/// What came of --error, in words and in the result; true: every figure is as near as was asked for.
+bool tell_error_goal(Result& r, const ErrorGoal& goal, double share) {
+  ResultErrorGoal told{share, goal.met(), goal.why(), {}};
+  std::printf("asked for   %g %% of each figure: %s; it ended because %s\n", 100 * share,
+              goal.met() ? "reached" : "not reached", goal.why().c_str());
+  for (const GoalRow& x : goal.rows()) {
+    std::printf("  %-20s %10.4g +- %-8.2g %s (%.2g allowed)\n", x.name.c_str(), x.value, x.error,
+                x.met() ? "reached" : "missed", x.allowed);
+    told.figures.push_back({x.name, x.value, x.error, x.allowed, x.met()});
+  }
+  write_fields(r, "/error_goal", told);
+  return goal.met();
+}
 
 void fill_convergence(Result& r, const std::vector<Row>& rows) {
   for (size_t i = 0; i < rows.size(); ++i) {
@@ -71,9 +94,7 @@ void fill_convergence(Result& r, const std::vector<Row>& rows) {
     }
     append(r, "/convergence", c);
   }
-  std::vector<SizedFigures> runs;
-  for (const Row& x : rows) runs.push_back({x.fitted_mm, x.key, x.distance_mm});
-  const std::vector<FigureError> errors = discretisation_errors(runs);
+  const std::vector<FigureError> errors = discretisation_errors(figures_of(rows));
   fill_discretisation(r, errors);
   if (!errors.empty()) std::printf("%-20s %10s %10s %12s\n", "figure", "finest", "+-", "extrapolated");
   for (const FigureError& e : errors) {
@@ -149,11 +170,14 @@ int run_operate(const OperateOptions& opt) {
                      "was written with another scene (" + repro->scene + ", hash " + hex(repro->scene_hash) +
                          "); expected that of " + scene.name + ", hash " + hex(scene.hash));
   const Script script = repro ? script_of(*repro, opt.script) : load_script(script_file);
+  std::optional<double> share;
+  if (!opt.error.empty() && !(share = parse_share(opt.error)))
+    throw InputError("", 0, "--error: '" + opt.error + "' is none; expected a share of each figure from 0.1% to 100%");
   if (scene.head) {
-    if (!opt.cells.empty() || !opt.orders.empty() || !opt.lesson.empty() || !opt.fields.empty())
+    if (!opt.cells.empty() || share || !opt.orders.empty() || !opt.lesson.empty() || !opt.fields.empty())
       throw InputError(
           opt.scene, 0,
-          "has a head: --cells, --orders, --judge and --fields are for scenes of skin; expected none of them");
+          "has a head: --cells, --error, --orders, --judge and --fields are for scenes of skin; expected none of them");
     return operate_head(scene, script, opt.common);
   }
   std::vector<double> cells = opt.cells;
@@ -163,6 +187,8 @@ int run_operate(const OperateOptions& opt) {
                                         cells[i], cells[i - 1]);
       throw InputError("", 0, t);
     }
+  std::optional<ErrorGoal> goal;  // says which sizes follow
+  if (share) cells = {goal.emplace(*share, scene.cell_mm, opt.limit_s).next_mm()};
   if (cells.empty()) cells.push_back(opt.cell_mm > 0 ? opt.cell_mm : repro ? repro->cell_mm : scene.cell_mm);
   const std::shared_ptr<const Body> body = build_body(scene);
   WorkersPool workers(opt.common.worker_count());
@@ -235,6 +261,7 @@ int run_operate(const OperateOptions& opt) {
         label.c_str(), rows.back().nodes, o.solve_ms, o.last.residual, o.last.distance_mm,
         rows.back().key.closure_force_N, rows.back().key.suture_gap_max_mm, rows.back().key.dog_ear_mm,
         hex(world.state_hash()).c_str());
+    if (goal && goal->go_on(figures_of(rows), o.solve_ms / 1000)) cells.push_back(goal->next_mm());
     if (i + 1 < cells.size()) continue;
     fill_operation(result, world, scene, o, rows.back().key);
     fill_closure(result, o.closure);
@@ -254,10 +281,11 @@ int run_operate(const OperateOptions& opt) {
     }
   }
   if (rows.size() > 1) fill_convergence(result, rows);
+  const bool near_enough = !goal || tell_error_goal(result, *goal, *share);
   ResultStory story = made_by(this_call());
   story.script = script_of(actions);
   write_fields(result, "", story);
-  const bool reached = at_rest && !is_bad(verdict);
+  const bool reached = at_rest && !is_bad(verdict) && near_enough;
   result.set_ok(reached);
   leave_result(result, opt.common);
   print_verdict(verdict);
@@ -288,6 +316,17 @@ void add_operate(CLI::App& app, Chosen& chosen) {
                             ->type_name("ORDER,...")
                             ->delimiter(',')
                             ->excludes(several);
+  CLI::Option* error = c->add_option("--error", o->error,
+                                     "Smaller and smaller cells, until the lattice's error of each figure (forces, "
+                                     "dog-ear, gape, stress, elongation) is below so much of it")
+                           ->type_name("P%")
+                           ->excludes(one)
+                           ->excludes(several)
+                           ->excludes(orders);
+  c->add_option("--limit-s", o->limit_s, "--error: no size that would take longer to solve (default 600)")
+      ->type_name("S")
+      ->check(number_from(0.1, 1e6))
+      ->needs(error);
   c->add_option("--judge", o->lesson, "Judge the result by this lesson: its file, or the name of a shipped one")
       ->type_name("LESSON")
       ->excludes(orders);

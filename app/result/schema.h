@@ -174,6 +174,27 @@ void fields(ResultConvergence& x, F&& f) {
   f("fitted_cell_mm", x.fitted_cell_mm), f("distance_mm", x.distance_mm), f("difference", x.difference);
 }
 
+/// error_goal: what came of `operate --error` (app/result/error_goal.h).
+struct ResultGoalFigure {
+  std::string name;
+  Maybe value, error, allowed;
+  bool met = false;
+};
+template <class F>
+void fields(ResultGoalFigure& x, F&& f) {
+  f("name", x.name), f("value", x.value), f("error", x.error), f("allowed", x.allowed), f("met", x.met);
+}
+struct ResultErrorGoal {
+  Maybe share;
+  bool met = false;
+  std::string why;
+  std::vector<ResultGoalFigure> figures;
+};
+template <class F>
+void fields(ResultErrorGoal& x, F&& f) {
+  f("share", x.share), f("met", x.met), f("why", x.why), f("figures", x.figures);
+}
+
 /// discretisation/NAME: the lattice's share of a figure's error (sim/measure/extrapolation.h).
 struct ResultError {
   Maybe value, error, order, extrapolated;

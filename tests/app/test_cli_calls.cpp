@@ -11,6 +11,8 @@ TEST_F(Cli, NumbersThatAreNone) {
   expect_refused("operate " + scene + " " + s + " --cell-mm nan",
                  {"--cell-mm", "nan", "expected a number from 0.05 to 100"});
   expect_refused("operate " + scene + " " + s + " --cells 5,nan", {"--cells", "expected a number"});
+  for (const std::string share : {"5", "0%", "101%", "nan", "5%%", "much"})
+    expect_refused("operate " + scene + " " + s + " --error " + share, {"--error", "expected a share of each figure"});
   expect_refused("operate " + scene + " " + s + " --workers 2.5",
                  {"--workers", "expected a whole number from 1 to 256"});
   expect_refused("emulate --fastrak --seconds nan", {"--seconds", "expected a number"});
@@ -25,6 +27,8 @@ TEST_F(Cli, OptionsThatNeedAnother) {
   expect_refused("replay x.lcm --frames 10", {"--film"});
   expect_refused("run rhomboid --headless --budget-ms 3", {"--auto"});
   expect_refused("run rhomboid --headless --seconds 1 --lesson " + path("absent"), {"absent"});
+  expect_refused("operate rhomboid x.jsonl --limit-s 5", {"--error"});
+  expect_refused("operate rhomboid x.jsonl --error 5% --cells 5,4", {"--error", "--cells"});
   expect_refused("operate rhomboid", {"SCRIPT", "limberg operate --help"});
 }
 
