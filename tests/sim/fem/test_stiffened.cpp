@@ -79,8 +79,7 @@ Rest pulled_by_springs(const Skin& skin, int n, double nu) {
 }
 
 /// The sides are held at a stretch of 1.5 both ways, and at their thickness: cells there must grow in volume.
-Rest held_at_thickness(const Skin& skin, int n, double nu) {
-  FemModel m = cube(skin, n, nu);
+Rest held_at_thickness(FemModel m, int n) {
   std::vector<Vec3f> start(m.X_mm.size(), Vec3f::Zero());
   for (size_t i = 0; i < m.X_mm.size(); ++i)
     if (on_a_side(m, i, n)) m.fixed[i] = 1, start[i] = {0.5f * float(m.X_mm[i][0]), 0.5f * float(m.X_mm[i][1]), 0};
@@ -102,10 +101,25 @@ TEST(Stiffened, FibresPulledToOneAndAHalfComeToRest) {
 TEST(Stiffened, PressuresBeyondThePenaltyComeToRest) {
   for (const auto& [skin, n, nu] :
        {std::tuple{&cheek, 2, 0.49}, {&steep, 4, 0.499}, {&cheek, 4, 0.499}, {&one_family, 2, 0.499}}) {
-    const Rest r = held_at_thickness(*skin, n, nu);
+    const Rest r = held_at_thickness(cube(*skin, n, nu), n);
     EXPECT_TRUE(r.report.converged) << skin->name << " " << n << " residual " << r.report.residual;
     EXPECT_LT(r.report.iterations, 300) << skin->name << " " << n;
     EXPECT_LT(r.off_mm, 5e-4) << skin->name << " " << n;
+  }
+}
+
+// Near rest, energies cannot be told apart. Where a slope of .9998 of the first was taken there, at the far side of the
+// valley, the residual stayed between 5e-5 and 2e-4 for 2,000 iterations.
+TEST(Stiffened, StepsInTheNoiseOfTheEnergyStillLeadOn) {
+  for (const double nu : {0.47, 0.49, 0.495, 0.499}) {
+    BoxSpec b;
+    b.cells = {4, 4, 4}, b.size_mm = Vec3::Constant(8);
+    FemModel m = box_model(b);
+    for (Stencil& s : m.stencils) s = box_stencil(m.cell_mm, {18, 18 * (2 * nu / (1 - 2 * nu) + 1)});
+    const Rest r = held_at_thickness(m, 4);
+    EXPECT_TRUE(r.report.converged) << nu << " residual " << r.report.residual;
+    EXPECT_LT(r.report.iterations, 500) << nu;
+    EXPECT_LT(r.off_mm, 1e-4) << nu;
   }
 }
 
