@@ -20,8 +20,8 @@ class LbfgsHistory {
   /// Takes the pair in the scratch; refuses one without positive curvature.
   bool push(const Engine& engine);
 
-  /// d = -H g. `metric(r, z)` applies the initial inverse Hessian. `scaled`: that one times gamma = s.y / y.metric(y) of
-  /// the newest pair, at most 1 (equation 7.20 with the metric in place of the identity). Returns gamma; 1 without.
+  /// d = -H g. `metric(r, z)` applies the initial inverse Hessian. `scaled`: that one times gamma = s.y / y.metric(y)
+  /// of the newest pair, at most 1 (equation 7.20 with the metric in place of the identity). Returns gamma; 1 without.
   double direction(const NodeArray& g, NodeArray& d, const std::function<void(const NodeArray&, NodeArray&)>& metric,
                    const Engine& engine, bool scaled = false);
 

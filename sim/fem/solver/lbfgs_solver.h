@@ -97,10 +97,10 @@ class LbfgsSolver final : public ElasticSolver {
     bool finite() const;
   };
   void forget();  // the iterations so far
-  /// Changing the history's energy costs the pairs, which tell of the other one.
+  /// For the rest of the step the plain energy, or the augmented one. Where that is another than before the pairs go.
   void take_plain_energy(bool plain, Value& value);
-  /// Whether the forces at u_ are what the displacements' last bits make of them: |g| at most four times the change that
-  /// a change of every number by its last bit makes of g. Uses g_try_, u_try_, d_; one evaluation.
+  /// Whether the forces at u_ are what the displacements' last bits make of them: |g| is at most four times the change
+  /// of g when every number changes by its last bit. Uses g_try_, u_try_, d_; one evaluation.
   bool at_floor();
   Value evaluate(const NodeArray& u, NodeArray& g, bool measure);
   void prepare_dynamics(const StepSettings& s);
