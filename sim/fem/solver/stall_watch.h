@@ -1,10 +1,10 @@
 #pragma once
 // Whether iterations still gain anything: a minimiser that stalls says so, instead of going on to its last iteration.
 //
-// Two ways to see it. look(): so many iterations have not made the residual a tenth less; this takes patience, because
-// a flap that swings gains nothing for long. suspects(): for kLevel iterates in a row the energies before and after could
-// not be told apart in single precision, and the residual has not become a tenth less either. Then it is worth one
-// evaluation to ask whether the forces are down to what the last bits of the displacements make of them
+// Two ways to see it. look(): so many iterations have not made the residual a tenth less; this takes patience,
+// because a flap that swings gains nothing for long. suspects(): for kLevel iterates in a row the energies before and
+// after could not be told apart in single precision, and the residual has not become a tenth less either. Then it is
+// worth one evaluation to ask whether the forces are down to what the last bits of the displacements make of them
 // (LbfgsSolver::at_floor).
 #include <limits>
 
