@@ -167,6 +167,7 @@ CellSums ElementSystem::evaluate(const NodeArray& u, NodeArray& g, bool measure,
   const Kernels& k = engine.kernels();
   CellView view = data_.view();
   if (shape_only_) view.stencils = shape_stencils_.data();
+  if (plain_) view.stencils = plain_stencils_.data();
   engine.run(data_.tiles.size(), 1, [&](size_t begin, size_t end) {
     for (size_t t = begin; t < end; ++t)
       tile_sums_[t] = k.evaluate_tile(view, data_.tiles[t], u.data(), q_.data(), slots_.data(), theta_.data(), measure);
@@ -187,8 +188,29 @@ void ElementSystem::shape_only(bool on) {
   }
 }
 
+void ElementSystem::plain(bool on) {
+  if (on == plain_) return;
+  plain_ = on;
+  if (!on) {
+    AlignedArray<float> none;
+    settle_multipliers(none);
+    return;
+  }
+  std::fill(q_.begin(), q_.end(), 0.0f);
+  if (!plain_stencils_.empty()) return;
+  plain_stencils_ = *data_.stencils;
+  for (KernelStencil& k : plain_stencils_) k.ke /= 1 - k.r, k.r = 0;
+}
+
+bool ElementSystem::overloaded() const {
+  constexpr float most = 2;
+  constexpr size_t one_in = 64;
+  if (!has_multipliers_) return false;
+  return one_in * size_t(std::count_if(q_.begin(), q_.end(), [](float q) { return std::fabs(q) > most; })) >= q_.size();
+}
+
 bool ElementSystem::update_multipliers(const Engine& engine, double scale_of_increment) {
-  if (!has_multipliers_ || shape_only_) return false;
+  if (!has_multipliers_ || shape_only_ || plain_) return false;
   const CellView view = data_.view();
   engine.run(data_.cells.size(), 8192, [&](size_t begin, size_t end) {
     engine.kernels().update_multipliers(view, theta_.data(), q_.data(), float(scale_of_increment), begin, end);
@@ -197,7 +219,7 @@ bool ElementSystem::update_multipliers(const Engine& engine, double scale_of_inc
 }
 
 bool ElementSystem::settle_multipliers(AlignedArray<float>& before) {
-  if (!has_multipliers_ || shape_only_) return false;
+  if (!has_multipliers_ || shape_only_ || plain_) return false;
   before = q_;
   for (size_t c = 0; c < data_.cells.size(); ++c) {
     const float r = (*data_.stencils)[size_t(data_.cells[c].stencil)].r;
@@ -207,6 +229,7 @@ bool ElementSystem::settle_multipliers(AlignedArray<float>& before) {
 }
 
 double ElementSystem::energy_to_primal() const {
+  if (plain_) return 0;
   double e = 0;
   for (size_t c = 0; c < data_.cells.size(); ++c) {
     const KernelStencil& s = (*data_.stencils)[size_t(data_.cells[c].stencil)];

@@ -14,6 +14,11 @@
 // so the answer is that of the plain energy; the minimiser only ever meets the stiffness
 // ke. Cells with lambda below `primal_below` mu (nu < 0.4) keep q = 0 and ke = lambda.
 //
+// A penalty carries only so much. The Hessian of the augmented energy holds p d2J, which has both signs, and nothing
+// but the material and ke cof F cof F^T to outweigh it: where p is several times k, the minimum sought is none of the
+// augmented energy, and no order of updates finds it (Bertsekas, Constrained Optimization and Lagrange Multiplier
+// Methods, 2.2: the penalty must exceed a bound). overloaded() says so, and plain() takes lambda itself instead.
+//
 // Cells are kept in tiles of the lattice. A tile gathers its nodes into a small local
 // array, works there, and leaves its forces in slots of its own; slots are summed per
 // node in tile order. So the result has the same bits for any number of workers.
@@ -66,6 +71,12 @@ class ElementSystem {
   /// From now on sum K_ab/2 u_a . u_b in place of the energy: linear in what it asks for, convex, least at rest. It
   /// knows no rotation and no volume, but leads out of any tangle (LbfgsSolver).
   void shape_only(bool on);
+  /// From now on lambda in place of ke, and no multipliers. Off again: they are those of p = lambda theta at the last
+  /// evaluate, so that energy_to_primal, gradient and what is saved agree with the energy that was minimised.
+  void plain(bool on);
+  /// Whether one cell in 64, or more, has a multiplier beyond twice the penalty: |q| > 2, p about 2 k. (The shipped
+  /// rhomboid and Z-plasty have up to 1.3, in three cells, 2026-11-25.)
+  bool overloaded() const;
   /// One multiplier update from the theta of the last evaluate. Returns false if no cell has a multiplier.
   bool update_multipliers(const Engine& engine, double scale_of_increment = 1);
   /// The multipliers as they were if theta stayed as the last evaluate found it: p = lambda theta. `before` gets those
@@ -92,8 +103,8 @@ class ElementSystem {
 
   KernelData data_;
   TileOrder order_;
-  AlignedArray<KernelStencil> shape_stencils_;  // made when first asked for
-  bool shape_only_ = false;
+  AlignedArray<KernelStencil> shape_stencils_, plain_stencils_;  // made when first asked for
+  bool shape_only_ = false, plain_ = false;
   std::vector<int32_t> slot_of_cell_;  // position in tile order of a model cell
   AlignedArray<float> theta_, q_;
   NodeArray slots_;

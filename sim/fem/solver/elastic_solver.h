@@ -49,6 +49,7 @@ struct StepReport {
   double energy_uJ = 0;
   bool converged = false;  // residual <= tolerance
   bool stalled = false;    // given up before max_iterations: more of them gain nothing (stall_watch.h); not converged
+  bool at_floor = false;   // stalled, and why: the residual is what the last bits of single precision make of it
   bool preconditioner_pending = false;
   bool metric_is_cycle = false;  // the multilevel cycle was used, not a factor of this very model
   int inverted_cells = 0;

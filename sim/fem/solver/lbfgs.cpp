@@ -1,5 +1,6 @@
 #include "sim/fem/solver/lbfgs.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace limberg::fem {
@@ -25,13 +26,14 @@ bool LbfgsHistory::push(const Engine& engine) {
   return true;
 }
 
-void LbfgsHistory::direction(const NodeArray& g, NodeArray& d,
-                             const std::function<void(const NodeArray&, NodeArray&)>& metric, const Engine& engine) {
+double LbfgsHistory::direction(const NodeArray& g, NodeArray& d,
+                               const std::function<void(const NodeArray&, NodeArray&)>& metric, const Engine& engine,
+                               bool scaled) {
   if (count_ == 0) {
     q_.zero();
     engine.add_scaled(q_, -1, g);
     metric(q_, d);
-    return;
+    return 1;
   }
   std::vector<double> alpha(static_cast<size_t>(count_));
   // q = -g fused with the first product.
@@ -45,6 +47,13 @@ void LbfgsHistory::direction(const NodeArray& g, NodeArray& d,
     else
       engine.add_scaled(q_, -alpha[size_t(k)], y_[i]);
   }
+  double gamma = 1;
+  if (scaled) {
+    const NodeArray& y = y_[index(0)];
+    metric(y, d);
+    gamma = std::clamp(1 / (rho_[index(0)] * engine.dot(y, d)), 1e-6, 1.0);
+    engine.add_scaled(q_, gamma - 1, q_);
+  }
   metric(q_, d);
   product = engine.dot(y_[index(count_ - 1)], d);
   for (int k = count_; k-- > 0;) {
@@ -55,6 +64,7 @@ void LbfgsHistory::direction(const NodeArray& g, NodeArray& d,
     else
       engine.add_scaled(d, c, s_[i]);
   }
+  return gamma;
 }
 
 }  // namespace limberg::fem

@@ -20,9 +20,10 @@ class LbfgsHistory {
   /// Takes the pair in the scratch; refuses one without positive curvature.
   bool push(const Engine& engine);
 
-  /// d = -H g. `metric(r, z)` applies the initial inverse Hessian.
-  void direction(const NodeArray& g, NodeArray& d, const std::function<void(const NodeArray&, NodeArray&)>& metric,
-                 const Engine& engine);
+  /// d = -H g. `metric(r, z)` applies the initial inverse Hessian. `scaled`: that one times gamma = s.y / y.metric(y)
+  /// of the newest pair, at most 1 (equation 7.20 with the metric in place of the identity). Returns gamma; 1 without.
+  double direction(const NodeArray& g, NodeArray& d, const std::function<void(const NodeArray&, NodeArray&)>& metric,
+                   const Engine& engine, bool scaled = false);
 
  private:
   size_t index(int k) const { return size_t((head_ - 1 - k + 2 * capacity_) % capacity_); }  // k-th newest

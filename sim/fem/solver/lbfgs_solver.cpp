@@ -20,6 +20,8 @@ namespace {
 constexpr int update_every = 3;   // accepted iterates between multiplier updates
 constexpr int max_halvings = 40;  // a scrambled start needs many
 constexpr double armijo = 1e-4;
+constexpr double slope_left = 0.5;    // Hager & Zhang's sigma is 0.9; an overshoot to .9998 of the slope gains nothing
+constexpr double above_floor = 4;     // reached: .2 to 2.6 times what the last bits make (fibrous cubes, 2026-11-25)
 constexpr double float_noise = 5e-8;  // of a sum of single-precision terms, relative to the sum of their sizes
 // Drawn-out cells are looked for when so many iterations have not brought the relative residual down to `lags`. Not
 // while a hook is carried: a look takes about as long as two iterations, and what lags then is the hand's doing (60 Hz
@@ -130,22 +132,29 @@ LbfgsSolver::Search LbfgsSolver::search(Value& value, double slope) {
     engine_.combine(u_try_, u_, alpha, d_);
     follow_masters(model_->hanging, u_try_);
     const Value t = evaluate(u_try_, g_try_, false);
-    bool accept = false;
+    bool accept = false, level = false;
     double next = 0.1;
     if (t.finite()) {
       const double change = t.energy - value.energy;
-      accept = change <= armijo * alpha * slope;
-      if (!accept && std::fabs(change) <= value.noise + t.noise)
-        accept = engine_.dot(g_try_, d_) <= (2 * armijo - 1) * slope;
+      level = std::fabs(change) <= value.noise + t.noise;
       const double bend = change - alpha * slope;
       if (bend > 0) next = std::clamp(-0.5 * alpha * slope / bend, 0.1, 0.5);
+      accept = change <= armijo * alpha * slope;
+      if (level && (by_slope_ || scale_.on())) {
+        const double end = engine_.dot(g_try_, d_);
+        accept = end <= -slope_left * slope;
+        if (!accept) next = std::clamp(slope / (slope - end), 0.01, 0.9);  // where the slope would be zero
+      } else if (!accept && level) {
+        accept = engine_.dot(g_try_, d_) <= (2 * armijo - 1) * slope;
+      }
     }
     if (accept && engine_.all_finite(g_try_)) {
       engine_.subtract(history_.next_s(), u_try_, u_);
       engine_.subtract(history_.next_y(), g_try_, g_);
       history_.push(engine_);
       u_.swap(u_try_), g_.swap(g_try_);
-      value = t;
+      value = t, level_ = level;
+      if (!points_.empty()) scale_.accepted(h > 0, gamma_);
       distance_.moved(u_);
       return Search::moved;
     }
@@ -183,6 +192,35 @@ void LbfgsSolver::begin_or_end_untangling(Value& value, bool dynamic) {
   value = evaluate(u_, g_, true);
 }
 
+void LbfgsSolver::take_plain_energy(bool plain, Value& value) {
+  if (pairs_are_plain_ != plain) history_.clear();
+  pairs_are_plain_ = plain;
+  if (!plain) return;
+  elements_->plain(true);
+  since_update_ = 0;
+  value = evaluate(u_, g_, true);
+}
+
+bool LbfgsSolver::at_floor() {
+  uint32_t bits = 1;
+  const auto nudged = [&bits](float v) {
+    bits = bits * 1664525u + 1013904223u;
+    return v == 0 ? v : std::nextafter(v, bits >> 31 ? 2 * v : 0.0f);
+  };
+  u_try_ = u_;
+  for (Node4& n : u_try_) n.x = nudged(n.x), n.y = nudged(n.y), n.z = nudged(n.z);
+  for (int32_t i : fixed_) u_try_[size_t(i)] = u_[size_t(i)];
+  follow_masters(model_->hanging, u_try_);
+  evaluate(u_try_, g_try_, false);
+  engine_.subtract(d_, g_try_, g_);
+  return engine_.dot(g_, g_) <= above_floor * above_floor * engine_.dot(d_, d_);
+}
+
+double LbfgsSolver::direction(const NodeArray& g, const std::function<void(const NodeArray&, NodeArray&)>& metric) {
+  gamma_ = history_.direction(g, d_, metric, engine_, scale_.on());
+  return engine_.dot(g, d_);
+}
+
 // The gradient at u_ must be in g_.
 double LbfgsSolver::next_move_mm(const std::function<void(const NodeArray&, NodeArray&)>& metric) {
   const NodeArray* g = &g_;
@@ -191,7 +229,7 @@ double LbfgsSolver::next_move_mm(const std::function<void(const NodeArray&, Node
     elements_->swap_multipliers(q);
     g = &g_try_;
   }
-  history_.direction(*g, d_, metric, engine_);
+  direction(*g, metric);
   return engine_.max_node(d_);
 }
 
@@ -224,11 +262,13 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
     value = evaluate(u_, g_, true);
   }
   if (untangling_ || tangled_iterations_ >= tangled_for) begin_or_end_untangling(value, s.dt_s > 0);
+  if (!untangling_) take_plain_energy(elements_->overloaded(), value);
   const auto update = [&] {
     if (since_update_ == 0 || !elements_->update_multipliers(engine_)) return false;
     since_update_ = 0;
     return true;
   };
+  level_ = by_slope_ = false;
   bool looked = true;  // the last evaluation was at u_
   NodeArray u_first;
   if (s.most_move_mm > 0) u_first = u_;
@@ -241,24 +281,35 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
       value = evaluate(u_, g_, true);
       if (relative_residual() <= s.tolerance) break;
     } else if (since_update_ >= update_every && update()) {
-      value = evaluate(u_, g_, false);
+      if (elements_->overloaded())
+        take_plain_energy(true, value);
+      else
+        value = evaluate(u_, g_, false);
     }
     if (s.tolerance > 0 && watch.look(relative_residual(), 1)) {
       report.stalled = true;
       break;
     }
-    history_.direction(g_, d_, metric, engine_);
-    double slope = engine_.dot(g_, d_);
+    if (s.tolerance > 0 && watch.suspects(level_)) {
+      report.stalled = report.at_floor = at_floor();
+      if (report.at_floor) {
+        looked = false;
+        break;
+      }
+      by_slope_ = true;
+      value = evaluate(u_, g_, true);
+    }
+    double slope = direction(g_, metric);
     if (!(slope < 0) && history_.count() > 0) {
       history_.clear();
-      history_.direction(g_, d_, metric, engine_);
-      slope = engine_.dot(g_, d_);
+      slope = direction(g_, metric);
     }
     if (!(slope < 0)) break;  // no force left
     looked = search(value, slope) == Search::moved;
     if (!looked) {
       if (history_.count() == 0) {  // the floor of single precision
         report.stalled = s.tolerance > 0;
+        report.at_floor = report.stalled && at_floor();
         break;
       }
       history_.clear();
@@ -286,6 +337,7 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
   report.energy_uJ = value.energy + elements_->energy_to_primal();
   report.converged = s.tolerance > 0 && report.residual <= s.tolerance;
   report.stalled = report.stalled && !report.converged;
+  report.at_floor = report.at_floor && report.stalled;
   report.preconditioner_pending = metric_.pending();
   report.metric_is_cycle = metric_.on_cycle();
   report.inverted_cells = elements_->inverted();
@@ -302,6 +354,7 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
     viscous_.end_step(u_);
   else
     viscous_.relax(u_);
+  elements_->plain(false);
   publish();
   return report;
 }

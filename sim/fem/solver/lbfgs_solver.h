@@ -16,7 +16,9 @@
 //   P     hanging nodes, if any, follow their masters: u is spread to them
 //         after every move, evaluate() hands their forces on, so g is zero
 //         there and they take no part in any product (hanging_nodes.h)
-//   q     multipliers, updated after every third accepted iterate (ElementSystem::update_multipliers)
+//         when every step is cut, H's metric is scaled (metric_scale.h)
+//   q     multipliers, updated after every third accepted iterate (ElementSystem::update_multipliers); none, and lambda
+//         itself, while they would be several times the penalty (ElementSystem::plain)
 //
 // A tangle that the energy does not lead out of (many cells inverted and no balance in sight for forty iterations:
 // layers of very different stiffness thrown together) is undone in two stages. First the energy is replaced by its
@@ -46,6 +48,7 @@
 #include "sim/fem/solver/distance_estimate.h"
 #include "sim/fem/solver/elastic_solver.h"
 #include "sim/fem/solver/lbfgs.h"
+#include "sim/fem/solver/metric_scale.h"
 
 namespace limberg::fem {
 
@@ -94,11 +97,17 @@ class LbfgsSolver final : public ElasticSolver {
     bool finite() const;
   };
   void forget();  // the iterations so far
+  /// For the rest of the step the plain energy, or the augmented one. Where that is another than before the pairs go.
+  void take_plain_energy(bool plain, Value& value);
+  /// Whether the forces at u_ are what the displacements' last bits make of them: |g| is at most four times the change
+  /// of g when every number changes by its last bit. Uses g_try_, u_try_, d_; one evaluation.
+  bool at_floor();
   Value evaluate(const NodeArray& u, NodeArray& g, bool measure);
   void prepare_dynamics(const StepSettings& s);
   void start_where_inertia_leads(Value& value);
   enum class Search { moved, stuck };
   Search search(Value& value, double slope);
+  double direction(const NodeArray& g, const std::function<void(const NodeArray&, NodeArray&)>& metric);
   double relative_residual() const;
   double next_move_mm(const std::function<void(const NodeArray&, NodeArray&)>& metric);  // distance_estimate.h
   void begin_or_end_untangling(Value& value, bool dynamic);
@@ -124,6 +133,11 @@ class LbfgsSolver final : public ElasticSolver {
   MaterialPoints points_;
   ViscousPoints viscous_;
   LbfgsHistory history_;
+  MetricScale scale_;
+  double gamma_ = 1;              // of the direction in d_
+  bool level_ = false;            // the last two energies could not be told apart
+  bool by_slope_ = false;         // where they cannot, steps end where the slope is half of what it was
+  bool pairs_are_plain_ = false;  // the history tells of the plain energy
 
   NodeArray u_, g_, d_, u_try_, g_try_;
   NodeArray velocity_;                    // mm/s

@@ -97,6 +97,7 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, const ParentL
   metric_.set_model(model_, cell_parent);
   force_scale_ = 0, since_update_ = 0;
   tangled_iterations_ = 0, untangling_ = false;
+  scale_.forget(), pairs_are_plain_ = false;
   distance_.forget();
   publish();
 }

@@ -50,6 +50,7 @@ void LbfgsSolver::take_up(const SolverPath& path) {
 void LbfgsSolver::forget() {
   tangled_iterations_ = 0, untangling_ = false;
   history_.clear();
+  scale_.forget();
   distance_.forget();
 }
 

@@ -1,5 +1,11 @@
 #pragma once
 // Whether iterations still gain anything: a minimiser that stalls says so, instead of going on to its last iteration.
+//
+// Two ways to see it. look(): so many iterations have not made the residual a tenth less; this takes patience,
+// because a flap that swings gains nothing for long. suspects(): for kLevel iterates in a row the energies before and
+// after could not be told apart in single precision, and the residual has not become a tenth less either. Then it is
+// worth one evaluation to ask whether the forces are down to what the last bits of the displacements make of them
+// (LbfgsSolver::at_floor).
 #include <limits>
 
 namespace limberg::fem {
@@ -19,9 +25,19 @@ class StallWatch {
   }
   double least() const { return least_; }
 
+  /// After each iterate that was looked at. `level`: its energy and the one before were within each other's noise. True
+  /// once for every kLevel of them in a row.
+  static constexpr int kLevel = 60;
+  bool suspects(bool level) {
+    level_ = level && since_ > 0 ? level_ + 1 : 0;
+    if (level_ < kLevel) return false;
+    level_ = 0;
+    return true;
+  }
+
  private:
   double least_ = std::numeric_limits<double>::infinity();
-  int since_ = 0;
+  int since_ = 0, level_ = 0;
 };
 
 }  // namespace limberg::fem
