@@ -51,22 +51,31 @@ class SlowedTime {
     newest_ = next;
   }
 
- private:
+ protected:
   struct Bend {
     int64_t wall_ns, session_ns, pace, brake_ns;
   };
+  /// The newest bend, whole. `midway` is called in the midst of each reading, so that a test can overtake it.
+  template <class F>
+  Bend newest(F&& midway) const {
+    for (;;) {
+      const uint64_t k = newest_;
+      const Slot& s = slots_[k % kSlots];
+      Bend b{s.wall_ns, s.session_ns, 0, 0};
+      midway();
+      b.pace = s.pace, b.brake_ns = s.brake_ns;
+      if (newest_ - k < kSlots - 1) return b;  // nobody has begun to write there again
+    }
+  }
+
+ private:
   struct Slot {
     std::atomic<int64_t> wall_ns{0}, session_ns{0}, pace{kWhole}, brake_ns{kNever};
   };
   static constexpr size_t kSlots = 8;
 
   Bend newest() const {
-    for (;;) {
-      const uint64_t k = newest_;
-      const Slot& s = slots_[k % kSlots];
-      const Bend b{s.wall_ns, s.session_ns, s.pace, s.brake_ns};
-      if (newest_ - k < kSlots - 1) return b;  // nobody has begun to write there again
-    }
+    return newest([] {});
   }
   static int64_t slowed(int64_t wall_ns, int64_t pace) {
     const int64_t whole = wall_ns / kWhole, rest = wall_ns % kWhole;  // a day of ns times a thousand is too much

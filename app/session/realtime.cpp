@@ -168,44 +168,6 @@ void device_thread(Control& c, DeviceLane& lane, LaneTimes& t, const SessionSett
   c.device_ended.store(true);
 }
 
-/// What the solver thread does to the session's clock in slow motion; nothing without.
-class Slowing {
- public:
-  Slowing(SlowedTime* time, const PacedClock& clock, const SessionSettings& set)
-      : time_(time),
-        clock_(clock),
-        control_(set.ticks_per_solver_step * kDeviceTickNs),
-        shown_ns_(set.first_tick * kDeviceTickNs) {
-    if (time_) ended_wall_ns_ = clock.wall_ns(), bend(SlowedTime::kWhole);
-  }
-  /// Of a step that begins so late: periods that are given up.
-  int64_t given_up(int64_t late_ns) const { return control_.given_up(late_ns); }
-  /// A step has ended that was due at `due_ns` of the session and began `late_ns` after that.
-  void ended(int64_t due_ns, int64_t began_wall_ns, int64_t late_ns) {
-    if (!time_) return;
-    const int64_t wall = clock_.wall_ns();
-    // What kept it from beginning when it was due counts as its own; but nothing before the last one's end.
-    const int64_t due_wall = began_wall_ns - late_ns * SlowedTime::kWhole / pace_;
-    const int64_t took = wall - std::max(due_wall, ended_wall_ns_);
-    pace_ = control_.pace_after(took, clock_.now_ns() - shown_ns_);
-    shown_ns_ = due_ns, ended_wall_ns_ = wall;
-    bend(pace_);
-  }
-  /// Nobody operates any more.
-  void let_go() {
-    if (time_) time_->bend(clock_.wall_ns(), SlowedTime::kWhole, SlowedTime::kNever);
-    time_ = nullptr;
-  }
-
- private:
-  void bend(int64_t pace) { time_->bend(clock_.wall_ns(), pace, SlowMotion::brake_ns(shown_ns_)); }
-
-  SlowedTime* time_;
-  const PacedClock& clock_;
-  SlowMotion control_;
-  int64_t shown_ns_, ended_wall_ns_ = 0, pace_ = SlowedTime::kWhole;
-};
-
 void solver_thread(Control& c, SolverLane& lane, SessionFigures& out, const SessionSettings& set, double budget) {
   LaneTimes& t = out.solver;
   if (set.first_tick == 0) lane.start();
@@ -215,7 +177,7 @@ void solver_thread(Control& c, SolverLane& lane, SessionFigures& out, const Sess
   int64_t n = set.first_tick / set.ticks_per_solver_step + 1, last_tick = set.first_tick;
   int resting = -1;  // steps since the device thread ended
   const bool slow = set.slow_motion != nullptr;
-  Slowing slowing(set.slow_motion.get(), clock, set);
+  Slowing slowing(set.slow_motion.get(), period, set.first_tick * kDeviceTickNs, clock.wall_ns());
   while (!c.stop_solver.load()) {
     clock.sleep_until_ns(n * period);
     int64_t late = clock.now_ns() - n * period;
@@ -233,7 +195,7 @@ void solver_thread(Control& c, SolverLane& lane, SessionFigures& out, const Sess
       n += missed, late -= missed * period;
     }
     const bool ended = c.device_ended.load();  // before the step: then the step sees the last event
-    if (ended) slowing.let_go();
+    if (ended) slowing.let_go(woke);
     const int64_t deadline = woke + int64_t(budget * double(period));
     // A step that is made up for is of its own time, and how far it is behind the hand is told by that.
     const int64_t hand_tick = c.tick.load();
@@ -244,7 +206,7 @@ void solver_thread(Control& c, SolverLane& lane, SessionFigures& out, const Sess
     c.drawing.step_ended(done, lane.last().iterations);
     t.work.add(done - woke);
     ++t.ticks;
-    slowing.ended(n * period, woke, late);
+    slowing.ended(n * period, late, woke, done);
     if (set.gauges) LaneGauges::set(set.gauges->solver_ns, done - woke);
     if (lane.published_new_sample()) out.sample_to_snapshot.add(clock.now_ns() - lane.newest_sample_ns());
     if (ended && ++resting >= 1) {
@@ -254,7 +216,7 @@ void solver_thread(Control& c, SolverLane& lane, SessionFigures& out, const Sess
     }
     ++n;
   }
-  slowing.let_go();
+  slowing.let_go(clock.wall_ns());
   c.at_rest.store(true);
 }
 

@@ -51,6 +51,36 @@ class SlowMotion {
   bool slow_ = false;
 };
 
+/// What the solver's thread does to a session's clock.
+class Slowing {
+ public:
+  /// `time`: null: nothing. `shown_ns`: session time of the patient that is there at the beginning.
+  Slowing(SlowedTime* time, int64_t period_ns, int64_t shown_ns, int64_t wall_ns)
+      : time_(time), motion_(period_ns), shown_ns_(shown_ns), ended_wall_ns_(wall_ns) {
+    if (time_) time_->bend(wall_ns, pace_, SlowMotion::brake_ns(shown_ns_));
+  }
+  int64_t given_up(int64_t late_ns) const { return motion_.given_up(late_ns); }
+  /// A step has ended that was due at `due_ns` of the session and began `late_ns` of it later.
+  void ended(int64_t due_ns, int64_t late_ns, int64_t began_wall_ns, int64_t wall_ns) {
+    if (!time_) return;
+    // What kept it from beginning when it was due counts as its own; but nothing before the last one's end.
+    const int64_t due_wall_ns = began_wall_ns - late_ns * SlowedTime::kWhole / pace_;
+    pace_ = motion_.pace_after(wall_ns - std::max(due_wall_ns, ended_wall_ns_), time_->at(wall_ns) - shown_ns_);
+    shown_ns_ = due_ns, ended_wall_ns_ = wall_ns;
+    time_->bend(wall_ns, pace_, SlowMotion::brake_ns(shown_ns_));
+  }
+  /// Nobody operates any more: the clock keeps the wall's pace.
+  void let_go(int64_t wall_ns) {
+    if (time_) time_->bend(wall_ns, SlowedTime::kWhole, SlowedTime::kNever);
+    time_ = nullptr;
+  }
+
+ private:
+  SlowedTime* time_;
+  SlowMotion motion_;
+  int64_t shown_ns_, ended_wall_ns_, pace_ = SlowedTime::kWhole;
+};
+
 /// How fast session time went by over about a second, and the slowest such second.
 class PaceOverASecond {
  public:
