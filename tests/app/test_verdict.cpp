@@ -58,6 +58,7 @@ TEST_F(Verdict, AWoundWhoseWholeEdgeIsClosedIsGoodAndOnlyThatIsClosed) {
   EXPECT_EQ(light(open, kClosedWhole), "");
   EXPECT_EQ(light(open, "wound gape, widest"), "bad");
   EXPECT_EQ(light(open, "wound gape, 95 %"), "good");
+  EXPECT_EQ(light(open, "edge of the wound that is open"), "bad");
   EXPECT_EQ(open[0].light, "bad") << "what is wrong comes first";
   EXPECT_EQ(open[0].place, "(7.0, -3.0) mm");
 }
