@@ -94,7 +94,7 @@ void DesktopDecoder::let_go() {
 }
 
 struct DesktopSource::Impl {
-  Impl(const DesktopSettings& s, int64_t start) : set(s), start_ns(start), decoder(s), queue(1024) {
+  Impl(const DesktopSettings& s, const SourceTime& t) : set(s), time(t), decoder(s), queue(1024) {
     if (set.path.empty()) {
       const char* socket = std::getenv("SPNAV_SOCKET");
       set.path = set.kind == DesktopSettings::mouse ? "/dev/input/mice" : socket ? socket : "/var/run/spnav.sock";
@@ -158,14 +158,14 @@ struct DesktopSource::Impl {
       next_sample = std::max(next_sample + kPeriodNs, t);
       StylusSample s = decoder.pose();
       s.seq = seq++;
-      s.t_ns = t - start_ns;
+      s.t_ns = time.stamp_ns(time.wall_ns(t));
       if (!queue.push(s)) lost.fetch_add(1, std::memory_order_relaxed);
     }
     if (fd >= 0) ::close(fd);
   }
 
   DesktopSettings set;
-  const int64_t start_ns;
+  const SourceTime time;
   DesktopDecoder decoder;  // of the reading thread alone
   SampleQueue queue;
   std::atomic<int64_t> malformed{0}, lost{0};
@@ -175,8 +175,8 @@ struct DesktopSource::Impl {
   std::thread thread;
 };
 
-DesktopSource::DesktopSource(const DesktopSettings& settings, int64_t start_ns)
-    : impl_(std::make_unique<Impl>(settings, start_ns)) {
+DesktopSource::DesktopSource(const DesktopSettings& settings, const SourceTime& time)
+    : impl_(std::make_unique<Impl>(settings, time)) {
   impl_->thread = std::thread([this] { impl_->run(); });
 }
 DesktopSource::~DesktopSource() {

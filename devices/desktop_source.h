@@ -14,6 +14,7 @@
 #include <memory>
 #include <string>
 
+#include "devices/session_time.h"
 #include "devices/source.h"
 
 namespace limberg {
@@ -51,7 +52,7 @@ class DesktopDecoder {
 
 class DesktopSource final : public Source {
  public:
-  DesktopSource(const DesktopSettings& settings, int64_t start_ns);
+  DesktopSource(const DesktopSettings& settings, const SourceTime& time);
   ~DesktopSource() override;
   void poll(int64_t now_ns, SampleSink& sink) override;
   bool done() const override { return false; }

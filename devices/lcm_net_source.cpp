@@ -24,7 +24,7 @@ constexpr size_t kMostCommands = 10'000;  // of a session
 }  // namespace
 
 struct LcmNetSource::Impl {
-  Impl(const LcmNetSettings& settings, int64_t start) : start_ns(start), queue(settings.ring) {
+  Impl(const LcmNetSettings& settings, const SourceTime& t) : time(t), queue(settings.ring) {
     if (!settings.allow_other_networks && settings.url.starts_with("udpm://")) {
       local = std::make_unique<LcmLocalLink>(settings.url);
       return;
@@ -57,13 +57,14 @@ struct LcmNetSource::Impl {
       return;
     }
     [[maybe_unused]] const int64_t sent_ns = s.t_ns;
-    s.t_ns = monotonic_ns() - start_ns;
+    const int64_t wall_ns = time.wall_ns(monotonic_ns());
+    s.t_ns = time.stamp_ns(wall_ns);
     // The sender's clock is not ours, but how old the reading was when it was sent is known by it alone.
     if constexpr (std::is_same_v<S, TrackerSample>)
-      s.true_ns = s.t_ns - std::clamp<int64_t>(sent_ns - s.true_ns, 0, kOldestReadingNs);
+      s.true_ns = time.stamp_ns(wall_ns - std::clamp<int64_t>(sent_ns - s.true_ns, 0, kOldestReadingNs));
     const std::pair<int, int32_t> stream{stream_of(s), s.device_id};
     int64_t gap = 0;
-    if (!heard.take(stream, s.seq, s.t_ns, has_checksum, gap)) {
+    if (!heard.take(stream, s.seq, wall_ns, has_checksum, gap)) {
       malformed.fetch_add(1, std::memory_order_relaxed);
       return;
     }
@@ -94,7 +95,7 @@ struct LcmNetSource::Impl {
 
   std::unique_ptr<LcmLocalLink> local;  // one of the two
   std::unique_ptr<LcmLibrary> library;
-  const int64_t start_ns;
+  const SourceTime time;
   HeardStreams heard;  // of the receiving thread alone, as are the commands
   std::vector<std::shared_ptr<const Command>> commands;
   SampleQueue queue;
@@ -103,13 +104,13 @@ struct LcmNetSource::Impl {
   std::thread thread;
 };
 
-LcmNetSource::LcmNetSource(const LcmNetSettings& settings, int64_t start_ns) {
+LcmNetSource::LcmNetSource(const LcmNetSettings& settings, const SourceTime& time) {
   if (!settings.allow_other_networks && !stays_here(settings.url))
     throw InputError(
         "", 0,
         "LCM address \"" + settings.url +
             "\" may reach other machines; expected udpm://239.255.76.67:7667?ttl=0 or explicit leave to listen there");
-  impl_ = std::make_unique<Impl>(settings, start_ns);
+  impl_ = std::make_unique<Impl>(settings, time);
   impl_->thread = std::thread([this] { impl_->listen(); });
 }
 

@@ -3,11 +3,12 @@
 //
 // Packets are taken as bytes and checked before the packaged decoder sees them (size, fingerprint, version, finite
 // numbers, sequence): that decoder can be made to fail by what it reads. Time stamps are those of arrival on this
-// machine, counted from start_ns, because the sender's clock is not ours. A sender may stop and come back.
+// machine, by the session's time (session_time.h), because the sender's clock is not ours. A sender may stop and come back.
 // From this machine alone, unless other networks are allowed: lcm_local_link.h.
 #include <memory>
 #include <string>
 
+#include "devices/session_time.h"
 #include "devices/source.h"
 
 namespace limberg {
@@ -20,9 +21,9 @@ struct LcmNetSettings {
 
 class LcmNetSource final : public Source {
  public:
-  /// Starts listening. `start_ns`: CLOCK_MONOTONIC at tick 0. InputError: a refused or unusable address (a network
+  /// Starts listening. InputError: a refused or unusable address (a network
   /// without a multicast route, for one: the message says which command helps).
-  LcmNetSource(const LcmNetSettings& settings, int64_t start_ns);
+  LcmNetSource(const LcmNetSettings& settings, const SourceTime& time);
   ~LcmNetSource() override;
   void poll(int64_t now_ns, SampleSink& sink) override;
   bool done() const override { return false; }

@@ -25,10 +25,10 @@ constexpr int32_t kFirstFastrak = 200;
 /// The emulator and whoever reads it, as one.
 class EmulatedFastrak final : public Source {
  public:
-  EmulatedFastrak(fastrak::SourceSettings settings, int64_t start_ns, uint64_t seed)
+  EmulatedFastrak(fastrak::SourceSettings settings, const SourceTime& time, uint64_t seed)
       : port_(fastrak::hand_at_work(seed)) {
     settings.path = port_.path();
-    source_ = std::make_unique<fastrak::FastrakSource>(settings, start_ns);
+    source_ = std::make_unique<fastrak::FastrakSource>(settings, time);
   }
   void poll(int64_t now_ns, SampleSink& sink) override { source_->poll(now_ns, sink); }
   bool done() const override { return false; }
@@ -48,20 +48,20 @@ LiveSource lcm(const DeviceSpec& spec, int) {
         "", 0,
         "--device " + spec.kind + ":" + net.url +
             " may reach other machines; expected lcm:udpm://239.255.76.67:7667?ttl=0, or lcm-from-anywhere:URL");
-  return [net](const LiveStart& start) { return std::make_unique<LcmNetSource>(net, start.start_ns); };
+  return [net](const LiveStart& start) { return std::make_unique<LcmNetSource>(net, start.time); };
 }
 
 LiveSource lcm_from_anywhere(const DeviceSpec& spec, int) {
   if (spec.rest.empty()) return {};
   LcmNetSettings net;
   net.url = spec.rest, net.allow_other_networks = true;
-  return [net](const LiveStart& start) { return std::make_unique<LcmNetSource>(net, start.start_ns); };
+  return [net](const LiveStart& start) { return std::make_unique<LcmNetSource>(net, start.time); };
 }
 
 LiveSource fastrak_at(const DeviceSpec& spec, int number) {
   fastrak::SourceSettings s = fastrak::parse_source(spec.rest);
   s.link.device_id = kFirstFastrak + number;
-  return [s](const LiveStart& start) { return std::make_unique<fastrak::FastrakSource>(s, start.start_ns); };
+  return [s](const LiveStart& start) { return std::make_unique<fastrak::FastrakSource>(s, start.time); };
 }
 
 LiveSource fastrak_emulator(const DeviceSpec& spec, int number) {
@@ -69,7 +69,7 @@ LiveSource fastrak_emulator(const DeviceSpec& spec, int number) {
   if (!spec.rest.empty()) s.link.role = fastrak::parse_roles(spec.rest);
   s.link.device_id = kFirstFastrak + number;
   return [s, number](const LiveStart& start) {
-    return std::make_unique<EmulatedFastrak>(s, start.start_ns, uint64_t(number + 1));
+    return std::make_unique<EmulatedFastrak>(s, start.time, uint64_t(number + 1));
   };
 }
 
@@ -78,7 +78,7 @@ LiveSource desktop(const DeviceSpec& spec, int number) {
   DesktopSettings s;
   s.kind = kind, s.path = spec.rest;
   s.device_id += number;
-  return [s](const LiveStart& start) { return std::make_unique<DesktopSource>(s, start.start_ns); };
+  return [s](const LiveStart& start) { return std::make_unique<DesktopSource>(s, start.time); };
 }
 
 LiveSource force_simulated(const DeviceSpec& spec, int) {
@@ -136,6 +136,7 @@ constexpr DeviceKind kKinds[] = {
     {.name = "force-simulated",
      .form = "force-simulated",
      .meaning = "a force device made of equations, in a hand that presses and strokes",
+     .feels = true,
      .live = force_simulated}};
 
 }  // namespace

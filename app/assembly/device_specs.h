@@ -7,13 +7,14 @@
 #include <string>
 
 #include "devices/force/stiffness_line.h"
+#include "devices/session_time.h"
 #include "devices/source.h"
 
 namespace limberg {
 
 /// What a live source is given when the clock starts.
 struct LiveStart {
-  int64_t start_ns = 0;                      // CLOCK_MONOTONIC at tick 0
+  SourceTime time;
   std::shared_ptr<StiffnessLine> stiffness;  // to a patient that can be felt; null: none
 };
 using LiveSource = std::function<std::unique_ptr<Source>(const LiveStart&)>;
@@ -31,6 +32,7 @@ struct DeviceKind {
   bool from_file = false;
   bool tracked = false;   // its places are those of a tracker: they mean little without a calibration
   bool own_hand = true;   // something beside the mouse of the desk that a person operates with
+  bool feels = false;     // pushes back, by the wall's clock
   bool over_lcm = false;  // what is published comes back through it
   /// Null: `run` makes it of the file. InputError where the spec is badly put; no source where it means nothing.
   LiveSource (*live)(const DeviceSpec& spec, int number) = nullptr;

@@ -155,6 +155,12 @@ void look_at_pace(Lines& lines, const Pace& p) {
             "a hundredth of all, as the lag, which 99 % of the time do not exceed");
   lines.limited("patient behind the hand, 99 % of the time", p.behind_p99_ms, "ms",
                 {kBehindWarn_ms, kBehindBad_ms, kBehindSource}, fmt::format("{:.0f} ms at most", p.behind_max_ms));
+  if (!p.slowed) return;
+  const double bearable_s = kSkippedShare * p.slowed->session_s;
+  lines.add("time added by slow motion", p.slowed->added_s, "s", bearable_s,
+            fmt::format("slowest second: {:.2f} of real time", p.slowed->slowest),
+            p.slowed->added_s > bearable_s ? light_names::warn : light_names::good,
+            "a hundredth of the session, as of steps: a hand that is timed has had longer than its times say");
 }
 
 }  // namespace

@@ -20,10 +20,17 @@
 
 namespace limberg {
 
+/// How the session's clock was slowed down for the patient.
+struct SlowedPace {
+  double session_s = 0, added_s = 0;  // how long it took by its own clock, how much longer by the wall's
+  double slowest = 1;                 // of the wall's pace, over the slowest second
+};
+
 /// How the patient kept up with the hand. Times of the snapshot that the hand had, over all device ticks.
 struct Pace {
   int64_t steps = 0, skipped = 0;  // of the solver
   double behind_p99_ms = 0, behind_max_ms = 0;
+  std::optional<SlowedPace> slowed = {};  // nothing: it kept real time
 };
 
 struct VerdictOf {

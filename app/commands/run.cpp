@@ -25,7 +25,7 @@ struct RunOptions {
   std::string scene = "rhomboid", record, calibration, lesson, judge, continued;
   std::vector<std::string> devices;
   double seconds = 0, cursor = 0;
-  bool headless = false, replace = false, cut_at_end = false;
+  bool headless = false, replace = false, cut_at_end = false, slow_motion = false;
   AutoOption automatic;
   CommonOptions common;
 };
@@ -76,6 +76,18 @@ bool has_display() {
 std::string lesson_file(const RunOptions& o) {
   if (!o.lesson.empty()) return o.lesson;
   return o.scene.find('/') == std::string::npos ? shipped_file("recordings/" + o.scene + ".jsonl") : "";
+}
+/// Whether there is a hand that can be slowed down for.
+void check_slow_motion(const RunOptions& o, bool hand_waits) {
+  if (hand_waits)
+    throw InputError("", 0,
+                     "--slow-motion with a hand that is emulated or recorded, which waits for the patient anyhow; "
+                     "expected a live --device, or the mouse");
+  for (const std::string& d : o.devices)
+    if (const DeviceKind* kind = device_kind(DeviceSpec(d)); kind && kind->feels)
+      throw InputError("", 0,
+                       "--slow-motion with --device " + d +
+                           ", whose forces need the wall's clock; expected a device without forces");
 }
 
 int run_session(const RunOptions& o) {
@@ -135,6 +147,8 @@ int run_session(const RunOptions& o) {
   else if (!call.live_sources.empty() && o.seconds <= 0)
     say("listening until Ctrl-C");
   call.hand_waits = call.live_sources.empty() && !o.devices.empty();
+  call.slow_motion = o.slow_motion;
+  if (o.slow_motion) check_slow_motion(o, call.hand_waits);
   if (o.seconds > 0) call.end_tick = int64_t(o.seconds * 1000);
   if (!call.goes_on) call.known_length_s = o.seconds;
   call.record_file = call.goes_on && o.record.empty() ? name_of_continuation(call.goes_on->file) : o.record;
@@ -172,6 +186,10 @@ void add_run(CLI::App& app, Chosen& chosen) {
       ->type_name("GAIN")
       ->check(number_from(0.05, 2.0));
   c->add_flag("--cut-at-end", o->cut_at_end, "Cut a stroke when it ends, not while it is drawn")->excludes(on);
+  c->add_flag(
+      "--slow-motion", o->slow_motion,
+      "A live hand: where the patient falls more than 50 ms behind it, the session's clock runs slower than the "
+      "wall's, to a fifth, instead of steps being skipped");
   c->add_flag("--headless", o->headless, "No window");
   c->add_option("--lesson", o->lesson,
                 "Script whose steps the window's Next shows (default: the shipped one of the scene)")

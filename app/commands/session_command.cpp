@@ -480,6 +480,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   set.end_tick = call.end_tick;
   set.stop_when_recording_fails = call.command == "emulate";
   set.hand_waits = call.hand_waits;
+  if (call.slow_motion) set.slow_motion = std::make_shared<SlowedTime>();
   set.settle_when_closed = call.lesson.has_value();  // a judge looks at the patient at rest
   set.interrupted = interrupted;
   set.progress = progress_line(call, progress);
@@ -526,7 +527,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
     // Between the opening of the recording and tick 0 lie seconds.
     if (recorder && !earlier) recorder->began(utc_ns() + start_ns - RealClock::monotonic_ns());
     for (const LiveSource& live : call.live_sources) {
-      auto source = live({start_ns, a.channels.press});
+      auto source = live({SourceTime(start_ns, set.slow_motion, set.first_tick * kDeviceTickNs), a.channels.press});
       devices.push_back(source.get());
       add(std::move(source));
     }

@@ -23,6 +23,7 @@ struct SessionCall {
   Calibration calibration;
   bool real_time = false;
   bool hand_waits = false;       // in real time: nobody's hand but an emulated or a recorded one (session.h)
+  bool slow_motion = false;      // in real time, a live hand: the clock may run slower than the wall's (session.h)
   bool progressive_cut = false;  // incisions open while they are drawn; recordings say whether they did
   std::vector<std::unique_ptr<Source>> sources;
   std::vector<LiveSource> live_sources;  // made when the clock starts

@@ -65,11 +65,13 @@ void fields(ResultDevice& x, auto&& f) {
   f("sources", x.sources);
 }
 
-/// hand: "waits" or "live", of a session in real time; waited_ms: for so long its clock was held for the patient.
+/// hand: "waits", "slowed" or "live", of a session in real time; waited_ms: for so long its clock was held for the
+/// patient. Of slow motion: slowed_ms, by how much the session was longer by the wall's clock than by its own, and
+/// slowest_pace, of the wall's over the slowest second.
 struct ResultSolver {
   MaybeCount steps, late_steps, skipped_steps;
   MaybeText hand;
-  Maybe waited_ms;
+  Maybe waited_ms, slowed_ms, slowest_pace;
   ResultTimes step_ms;
   Maybe residual, distance_mm;
   MaybeCount settle_steps;
@@ -77,7 +79,7 @@ struct ResultSolver {
 };
 void fields(ResultSolver& x, auto&& f) {
   f("steps", x.steps), f("late_steps", x.late_steps), f("skipped_steps", x.skipped_steps), f("step_ms", x.step_ms);
-  f("hand", x.hand), f("waited_ms", x.waited_ms);
+  f("hand", x.hand), f("waited_ms", x.waited_ms), f("slowed_ms", x.slowed_ms), f("slowest_pace", x.slowest_pace);
   f("residual", x.residual), f("distance_mm", x.distance_mm), f("settle_steps", x.settle_steps);
   f("describe", x.describe);
 }

@@ -70,6 +70,7 @@ ResultSolver solver_of(Assembly& a, const SessionFigures& f) {
   s.distance_mm = a.solver.last().distance_mm;
   s.settle_steps = f.settle_steps;
   if (!f.hand.empty()) s.hand = f.hand, s.waited_ms = double(f.waited_ns) * 1e-6;
+  if (f.hand == "slowed") s.slowed_ms = double(f.slowed_ns) * 1e-6, s.slowest_pace = f.slowest;
   s.describe = a.world->skin() ? a.world->skin()->solver().describe() : std::string("simplex meshes of face and bone");
   return s;
 }
@@ -130,6 +131,7 @@ VerdictOf looked_at(Assembly& a, const SessionFigures& f) {
   v.cut_short = f.interrupted || f.closed;
   v.pace = Pace{int64_t(a.solver.steps()), int64_t(f.solver.skipped), double(f.device.age.percentile_ns(0.99)) * 1e-6,
                 double(f.device.age.max_ns()) * 1e-6};
+  if (f.hand == "slowed") v.pace->slowed = SlowedPace{f.duration_s, double(f.slowed_ns) * 1e-9, f.slowest};
   if (a.head && a.head->has_face()) {
     Snapshot s;
     a.patient->fill(s);

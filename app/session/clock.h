@@ -2,10 +2,12 @@
 // Time as the lanes are given it: nanoseconds since the session's start.
 #include <time.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 
 #include "devices/monotonic.h"
+#include "devices/session_time.h"
 
 namespace limberg {
 
@@ -37,12 +39,17 @@ class RealClock {
   int64_t start_ = 0;
 };
 
-/// Session time that may be held: what has passed since the start, less what it was held for so far.
+/// Session time that may be held: what has passed since the start, less what it was held for so far. With `slowed` it
+/// passes as that says, and is not held.
 class PacedClock {
  public:
-  PacedClock(int64_t start_ns, const std::atomic<int64_t>& held_ns) : real_(start_ns), held_(held_ns) {}
-  int64_t now_ns() const { return real_.now_ns() - held_.load(); }
+  PacedClock(int64_t start_ns, const std::atomic<int64_t>& held_ns, const SlowedTime* slowed = nullptr)
+      : real_(start_ns), held_(held_ns), slowed_(slowed) {}
+  int64_t now_ns() const { return slowed_ ? slowed_->at(wall_ns()) : wall_ns() - held_.load(); }
+  /// Since the start, whatever the session's time does.
+  int64_t wall_ns() const { return real_.now_ns(); }
   void sleep_until_ns(int64_t t_ns) const {
+    if (slowed_) return sleep_slowed(t_ns);
     for (int64_t held = held_.load();;) {
       real_.sleep_until_ns(t_ns + held);
       const int64_t now = held_.load();
@@ -52,8 +59,17 @@ class PacedClock {
   }
 
  private:
+  // A pace may rise while somebody sleeps: while it is low, nobody sleeps for long.
+  void sleep_slowed(int64_t t_ns) const {
+    for (int64_t now = now_ns(); now < t_ns; now = now_ns()) {
+      const int64_t wall = wall_ns(), until = slowed_->wall_at(t_ns);
+      real_.sleep_until_ns(until - wall > t_ns - now + kNsPerMs / 100 ? std::min(until, wall + kNsPerMs) : until);
+    }
+  }
+
   RealClock real_;
   const std::atomic<int64_t>& held_;
+  const SlowedTime* slowed_;
 };
 
 /// Time that passes only when it is told to.

@@ -8,10 +8,11 @@
 namespace limberg {
 
 struct LaneGauges {
-  std::atomic<int64_t> tick{0};         // device tick: ms since the start
-  std::atomic<int64_t> behind_ms{0};    // how old what the hand has of the patient is
-  std::atomic<int64_t> device_late{0};  // ticks that began more than 1 ms late
-  std::atomic<int64_t> sample_ns{-1};   // time stamp of the newest sample
+  std::atomic<int64_t> tick{0};              // device tick: ms since the start
+  std::atomic<int64_t> behind_ms{0};         // how old what the hand has of the patient is
+  std::atomic<int64_t> pace_permille{1000};  // of the session's clock, over a second, against the wall's
+  std::atomic<int64_t> device_late{0};       // ticks that began more than 1 ms late
+  std::atomic<int64_t> sample_ns{-1};        // time stamp of the newest sample
   std::atomic<int64_t> samples{0};
   std::atomic<int64_t> device_ns{0}, solver_ns{0}, frame_ns{0};  // how long the last tick, step and frame took
   std::atomic<int64_t> frames{0};                                // drawn so far

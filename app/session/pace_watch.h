@@ -1,8 +1,10 @@
 #pragma once
-// Says in words when the patient falls behind the hand, and when it keeps up again; not at every flicker.
+// Says in words when the patient falls behind the hand, and when it keeps up again; in slow motion how fast the session's
+// clock runs, and when as fast as the wall's again. Not at every flicker.
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <string>
 
@@ -37,6 +39,28 @@ class PaceWatch {
  private:
   bool behind_ = false;
   int64_t fell_at_ = -1, worst_ms_ = 0, said_ms_ = 0, said_at_ = 0, kept_up_since_ = 0;
+};
+
+class SlowWatch {
+ public:
+  /// Slowed below, and as fast as the wall's again above; said again when it differs by so much, and not too often.
+  static constexpr double kSlowed = 0.95, kReal = 0.98, kOther = 0.095;
+  static constexpr int64_t kAgainAfter_ms = 2000;
+
+  /// At a time of the wall, the pace over the last second. Returns what is to be said; mostly nothing.
+  std::string look(int64_t now_ms, double pace) {
+    const bool slowed = said_ < 1 ? pace < kReal : pace < kSlowed;
+    if (slowed ? std::abs(pace - said_) < kOther && said_ < 1 : said_ == 1) return "";
+    if (said_at_ms_ >= 0 && now_ms - said_at_ms_ < kAgainAfter_ms) return "";
+    said_at_ms_ = now_ms;
+    said_ = slowed ? pace : 1;
+    return slowed ? words(pace) : "in real time again";
+  }
+  static std::string words(double pace) { return fmt::format("slowed: {:.1f} of real time", std::min(pace, 0.9)); }
+
+ private:
+  double said_ = 1;
+  int64_t said_at_ms_ = -1;
 };
 
 }  // namespace limberg

@@ -1,5 +1,6 @@
 #include "app/session/realtime.h"
 
+#include <fmt/format.h>
 #include <pthread.h>
 #include <sched.h>
 
@@ -11,6 +12,7 @@
 #include "app/session/clock.h"
 #include "app/session/drawing_share.h"
 #include "app/session/pace_watch.h"
+#include "app/session/slow_motion.h"
 #include "app/session/thread.h"
 
 namespace limberg {
@@ -30,6 +32,7 @@ struct Control {
   std::atomic<int64_t> behind_ms{0};  // of the patient that the device's last tick had
   std::atomic<int64_t> held_ns{0};    // of the session's clock, by the solver thread
   std::atomic<int64_t> step_tick{0};  // of the solver step that is being done or was last
+  std::atomic<uint64_t> skipped{0};   // solver steps
   std::mutex mutex;                   // for `error` and `scheduling`, at start and end only
   std::exception_ptr error;
   std::string where;  // the error was
@@ -126,12 +129,12 @@ void device_thread(Control& c, DeviceLane& lane, LaneTimes& t, const SessionSett
     c.device_id = pthread_self();
   }
   c.i_am_ready();
-  const PacedClock clock(c.wait_for_start(), c.held_ns);
+  const PacedClock clock(c.wait_for_start(), c.held_ns, set.slow_motion.get());
   int64_t tick = set.first_tick, end = set.end_tick;
   while (!c.stop_device.load(std::memory_order_relaxed)) {
     if (set.hand_waits) wait_for_patient(c, tick, set.ticks_per_solver_step);
     clock.sleep_until_ns(tick * kDeviceTickNs);
-    const int64_t woke = clock.now_ns(), late = woke - tick * kDeviceTickNs;
+    const int64_t woke = clock.wall_ns(), late = clock.now_ns() - tick * kDeviceTickNs;
     t.wake.add(late);
     if (late >= kDeviceTickNs) {
       ++t.late;
@@ -141,7 +144,7 @@ void device_thread(Control& c, DeviceLane& lane, LaneTimes& t, const SessionSett
     }
     if (end >= 0 && tick > end) tick = end;  // the last tick of a recording is always done
     lane.tick(tick);
-    const int64_t ended = clock.now_ns();
+    const int64_t ended = clock.wall_ns();
     t.work.add(ended - woke);
     t.age.add((tick - lane.snapshot_tick()) * kDeviceTickNs);
     ++t.ticks;
@@ -169,34 +172,43 @@ void solver_thread(Control& c, SolverLane& lane, SessionFigures& out, const Sess
   LaneTimes& t = out.solver;
   if (set.first_tick == 0) lane.start();
   c.i_am_ready();
-  const PacedClock clock(c.wait_for_start(), c.held_ns);
+  const PacedClock clock(c.wait_for_start(), c.held_ns, set.slow_motion.get());
   const int64_t period = int64_t(set.ticks_per_solver_step) * kDeviceTickNs;
   int64_t n = set.first_tick / set.ticks_per_solver_step + 1, last_tick = set.first_tick;
   int resting = -1;  // steps since the device thread ended
+  const bool slow = set.slow_motion != nullptr;
+  Slowing slowing(set.slow_motion.get(), period, set.first_tick * kDeviceTickNs, clock.wall_ns());
   while (!c.stop_solver.load()) {
     clock.sleep_until_ns(n * period);
-    int64_t woke = clock.now_ns(), late = woke - n * period;
+    int64_t late = clock.now_ns() - n * period;
+    const int64_t woke = clock.wall_ns();
     t.wake.add(late);
+    const int64_t missed = slow ? slowing.given_up(late) : late / period;
     if (set.hand_waits) {
       // Time stands still for what the last step took too long: the hand is where it would have been.
-      if (late >= kNsPerMs) c.held_ns.fetch_add(late), woke = clock.now_ns();
+      if (late >= kNsPerMs) c.held_ns.fetch_add(late);
       c.step_tick.store(n * set.ticks_per_solver_step);
-    } else if (late >= period) {
+    } else if (missed > 0) {
       ++t.late;
-      t.skipped += uint64_t(late / period);
-      n += late / period;
+      t.skipped += uint64_t(missed);
+      c.skipped.fetch_add(uint64_t(missed), std::memory_order_relaxed);
+      n += missed, late -= missed * period;
     }
     const bool ended = c.device_ended.load();  // before the step: then the step sees the last event
+    if (ended) slowing.let_go(woke);
     const int64_t deadline = woke + int64_t(budget * double(period));
-    last_tick = std::max(last_tick, c.tick.load());
+    // A step that is made up for is of its own time, and how far it is behind the hand is told by that.
+    const int64_t hand_tick = c.tick.load();
+    last_tick = std::max(last_tick, slow ? std::min(hand_tick, n * set.ticks_per_solver_step) : hand_tick);
     c.drawing.step_begins(woke);
-    lane.step(last_tick, [&] { return clock.now_ns() > deadline; });
-    const int64_t done = clock.now_ns();
+    lane.step(last_tick, [&] { return clock.wall_ns() > deadline; });
+    const int64_t done = clock.wall_ns();
     c.drawing.step_ended(done, lane.last().iterations);
     t.work.add(done - woke);
     ++t.ticks;
+    slowing.ended(n * period, late, woke, done);
     if (set.gauges) LaneGauges::set(set.gauges->solver_ns, done - woke);
-    if (lane.published_new_sample()) out.sample_to_snapshot.add(done - lane.newest_sample_ns());
+    if (lane.published_new_sample()) out.sample_to_snapshot.add(clock.now_ns() - lane.newest_sample_ns());
     if (ended && ++resting >= 1) {
       out.settle_steps = resting;
       if (lane.at_rest(set.settle_residual) || resting >= set.settle_steps) break;
@@ -204,6 +216,7 @@ void solver_thread(Control& c, SolverLane& lane, SessionFigures& out, const Sess
     }
     ++n;
   }
+  slowing.let_go(clock.wall_ns());
   c.at_rest.store(true);
 }
 
@@ -212,7 +225,9 @@ void render_thread(Control& c, RenderLane& lane, SessionFigures& out, const Sess
   // The patient is published before the clock starts; the picture sink is made ready with it.
   lane.prepare();
   c.i_am_ready();
-  const PacedClock clock(c.wait_for_start(), c.held_ns);
+  const int64_t start_ns = c.wait_for_start();
+  const RealClock clock(start_ns);  // a person sees by the wall's clock, however slowly the session's runs
+  const PacedClock session(start_ns, c.held_ns, set.slow_motion.get());
   const int64_t period = int64_t(set.ticks_per_frame) * kDeviceTickNs;
   LaneTimes& t = out.render;
   int64_t due = set.first_tick * kDeviceTickNs + period;
@@ -246,7 +261,7 @@ void render_thread(Control& c, RenderLane& lane, SessionFigures& out, const Sess
                                                                       double(std::max<int64_t>(1, done - since))));
         if (done - since > 1'000'000'000) since = done, drawn_before = drawn_ns;
       }
-      if (lane.sample_ns() != shown_sample) out.sample_to_frame.add(done - lane.sample_ns());
+      if (lane.sample_ns() != shown_sample) out.sample_to_frame.add(session.now_ns() - lane.sample_ns());
       shown_sample = lane.sample_ns();
     }
     if (!lane.open()) {  // nobody sees a further frame
@@ -266,6 +281,10 @@ void drive(Control& c, const SessionLanes& lanes, SessionFigures& out, const Ses
   bool told = !real_time;
   RecordingWatch recording;
   PaceWatch pace;
+  PaceOverASecond slowed;
+  SlowWatch slow_words;
+  uint64_t skipped = 0;  // said so far
+  const SlowedTime* const slow_motion = set.slow_motion.get();
   // Silence is counted as often as it was looked at: a machine that stood still is no silent thread.
   int64_t last_tick = -1, silent_ns = 0;
   const int64_t look_ns = (set.pump ? 4 : 10) * kNsPerMs;
@@ -275,6 +294,20 @@ void drive(Control& c, const SessionLanes& lanes, SessionFigures& out, const Ses
     if (set.pump) set.pump();
     if (!set.hand_waits && set.say)
       if (const std::string words = pace.look(t / kNsPerMs, c.behind_ms.load()); !words.empty()) set.say(words);
+    if (slow_motion && !c.device_ended) {
+      const int64_t wall = t + set.first_tick * kDeviceTickNs;
+      out.slowed_ns = wall - slow_motion->at(wall);
+      slowed.look(wall, wall - out.slowed_ns);
+      out.slowest = slowed.slowest();
+      if (set.gauges) LaneGauges::set(set.gauges->pace_permille, int64_t(1000 * slowed.pace()));
+      std::string words = slow_words.look(t / kNsPerMs, slowed.pace());
+      if (const uint64_t n = c.skipped.load(std::memory_order_relaxed); n != skipped && words.empty()) {
+        words = fmt::format("slower than {:.1f} of real time would be needed: {} steps skipped so far",
+                            double(SlowedTime::kLeast) / double(SlowedTime::kWhole), n);
+        skipped = n;
+      }
+      if (!words.empty() && set.say) set.say(words);
+    }
     if (const int64_t tick = c.tick.load(); tick != last_tick || told || set.hand_waits)
       last_tick = tick, silent_ns = 0;
     else if ((silent_ns += look_ns) > kSilentNs && !c.device_ended)
@@ -352,7 +385,7 @@ SessionFigures run_realtime(SessionLanes lanes, const SessionSettings& set, cons
   out.last_tick = c.tick.load();
   out.duration_s = double(out.last_tick) * 1e-3;
   out.scheduling = c.scheduling;
-  out.hand = set.hand_waits ? "waits" : "live", out.waited_ns = c.held_ns.load();
+  out.hand = set.hand_waits ? "waits" : set.slow_motion ? "slowed" : "live", out.waited_ns = c.held_ns.load();
   out.closed = c.closed;
   device.end_schedule();
   if (c.error) {

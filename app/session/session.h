@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <exception>
 #include <functional>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "app/session/recorder.h"
 #include "app/session/render_lane.h"
 #include "app/session/solver_lane.h"
+#include "devices/session_time.h"
 
 namespace limberg {
 
@@ -42,6 +44,9 @@ struct SessionSettings {
   // Real time: a hand that is emulated or recorded waits for the patient. Where a solver step takes longer than its
   // period the session's clock is held, so that none is skipped; a live hand cannot wait and is told.
   bool hand_waits = false;
+  // Real time, a live hand: the session's clock runs slower than the wall's while the patient is behind
+  // (slow_motion.h). Whoever stamps samples stamps by the same line. Null: it never does. Not with hand_waits.
+  std::shared_ptr<SlowedTime> slow_motion;
   LaneGauges* gauges = nullptr;       // real time: filled while it runs
   std::function<void()> pump;         // real time: called every few ms from the calling thread (a window's events)
   std::function<bool()> interrupted;  // asked now and then, from the driver's thread
@@ -62,8 +67,10 @@ struct SessionFigures {
   // A live session done again: hashes that its steps carry, compared; the first tick that differs, -1: none.
   int64_t hashes_compared = 0, hashes_equal = 0, first_difference_tick = -1;
   bool interrupted = false;
-  std::string hand;        // real time: "waits" or "live"
+  std::string hand;        // real time: "waits", "slowed" (slow motion) or "live"
   int64_t waited_ns = 0;   // real time: for so long the session's clock was held (SessionSettings::hand_waits)
+  int64_t slowed_ns = 0;   // slow motion: so much longer did the session last by the wall's clock than by its own
+  double slowest = 1;      // slow motion: of the wall's pace, over the slowest second
   bool closed = false;     // real time: the window was
   std::string scheduling;  // real time: what the device thread got
 };

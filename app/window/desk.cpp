@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/session/pace_watch.h"
 #include "render/colour_map.h"
 #include "render/overlay.h"
 #include "sim/measure/table.h"
@@ -292,8 +293,10 @@ void Desk::lanes(const DeskReading& r, int width, int height) {
     lane("hand", ms(g.device_ns), 1,
          fmt::format("{} late of {}, {:.0f} samples/s", LaneGauges::get(g.device_late), LaneGauges::get(g.tick),
                      r.samples_per_s));
+    const double pace = 1e-3 * double(LaneGauges::get(g.pace_permille));
     lane("patient", ms(g.solver_ns), 16,
-         fmt::format("residual {:.1e}, about {:.2g} mm from equilibrium", s.residual, s.distance_mm));
+         fmt::format("residual {:.1e}, about {:.2g} mm from equilibrium{}{}", s.residual, s.distance_mm,
+                     pace < SlowWatch::kSlowed ? "; " : "", pace < SlowWatch::kSlowed ? SlowWatch::words(pace) : ""));
     const std::string seen =
         fmt::format("shows what was {} ms ago", std::max<int64_t>(0, LaneGauges::get(g.tick) - s.device_tick));
     std::string note = "at rest, drawn finely; " + seen;

@@ -414,9 +414,10 @@ struct WindowFrames::Impl {
       desk.say(words);
     const int64_t tick = LaneGauges::get(gauges->tick), samples = LaneGauges::get(gauges->samples);
     if (tick - rate_tick < 1000) return;
-    samples_per_s = 1000.0 * double(samples - rate_samples) / double(tick - rate_tick);
+    const double per_s = double(LaneGauges::get(gauges->pace_permille));  // ticks that pass in a second
+    samples_per_s = per_s * double(samples - rate_samples) / double(tick - rate_tick);
     const int64_t frames = LaneGauges::get(gauges->frames);
-    pictures_per_s = 1000.0 * double(frames - rate_frames) / double(tick - rate_tick);
+    pictures_per_s = per_s * double(frames - rate_frames) / double(tick - rate_tick);
     rate_tick = tick, rate_samples = samples, rate_frames = frames;
   }
 

@@ -43,12 +43,14 @@ SourceSettings parse_source(const std::string& text) {
 }
 
 struct FastrakSource::Impl final : Link::Receiver {
-  Impl(const SourceSettings& s, int64_t start)
-      : settings(s), start_ns(start), link(s.link), queue(s.queue), path(s.path) {}
+  Impl(const SourceSettings& s, const SourceTime& t)
+      : settings(s), time(t), link(s.link), queue(s.queue), path(s.path) {}
 
-  int64_t now() const { return monotonic_ns() - start_ns; }
+  int64_t now() const { return time.wall_ns(monotonic_ns()); }  // the line's own times are the wall's
 
-  void on_reading(const TrackerSample& sample) override {
+  void on_reading(const TrackerSample& read) override {
+    TrackerSample sample = read;
+    sample.t_ns = time.stamp_ns(read.t_ns), sample.true_ns = time.stamp_ns(read.true_ns);
     if (!queue.push(sample)) lost.fetch_add(1, std::memory_order_relaxed);
   }
 
@@ -57,7 +59,7 @@ struct FastrakSource::Impl final : Link::Receiver {
       RawSample r;
       r.device_id = settings.link.device_id;
       r.seq = raw_seq++;
-      r.t_ns = now_ns;
+      r.t_ns = time.stamp_ns(now_ns);
       r.n = int32_t(std::min<size_t>(64, n - at));
       std::copy_n(bytes + at, r.n, r.bytes.begin());
       if (!queue.push(r)) lost.fetch_add(1, std::memory_order_relaxed);
@@ -115,7 +117,7 @@ struct FastrakSource::Impl final : Link::Receiver {
   }
 
   const SourceSettings settings;
-  const int64_t start_ns;
+  const SourceTime time;
   Link link;  // of the reading thread alone
   SampleQueue queue;
   int64_t raw_seq = 0;
@@ -126,8 +128,8 @@ struct FastrakSource::Impl final : Link::Receiver {
   std::thread thread;
 };
 
-FastrakSource::FastrakSource(const SourceSettings& settings, int64_t start_ns)
-    : impl_(std::make_unique<Impl>(settings, start_ns)) {
+FastrakSource::FastrakSource(const SourceSettings& settings, const SourceTime& time)
+    : impl_(std::make_unique<Impl>(settings, time)) {
   impl_->thread = std::thread([this] { impl_->run(); });
 }
 

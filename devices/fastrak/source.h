@@ -5,6 +5,7 @@
 #include <string>
 
 #include "devices/fastrak/link.h"
+#include "devices/session_time.h"
 #include "devices/source.h"
 
 namespace limberg::fastrak {
@@ -22,8 +23,8 @@ SourceSettings parse_source(const std::string& text);
 
 class FastrakSource final : public Source {
  public:
-  /// `start_ns`: CLOCK_MONOTONIC at tick 0. Never fails: a port that is not there is waited for; health() says why.
-  FastrakSource(const SourceSettings& settings, int64_t start_ns);
+  /// Never fails: a port that is not there is waited for; health() says why.
+  FastrakSource(const SourceSettings& settings, const SourceTime& time);
   ~FastrakSource() override;
   void poll(int64_t now_ns, SampleSink& sink) override;
   bool done() const override { return false; }

@@ -36,6 +36,11 @@ TEST_F(Cli, DevicesAreRefusedBeforeThePatientIsBuilt) {
   for (const std::string url : {"xyz", "udpm://8.8.8.8:7667?ttl=5"})
     expect_refused("run rhomboid --headless --seconds 1 --device lcm:" + url, {"lcm:" + url, "expected lcm:udpm://"});
   expect_refused("run rhomboid --headless --seconds 1 --device force-simulated:x", {"force-simulated:x"});
+  expect_refused(
+      "run rhomboid --headless --seconds 1 --slow-motion --device emulated:" + kSource + "/recordings/rhomboid.jsonl",
+      {"--slow-motion", "waits for the patient anyhow", "expected a live --device"});
+  expect_refused("run rhomboid --headless --seconds 1 --slow-motion --device lcm --device force-simulated",
+                 {"--slow-motion with --device force-simulated", "expected a device without forces"});
   expect_refused("superpose " + path("absent.obj") + " --mirror", {"absent.obj", "expected"});
 }
 

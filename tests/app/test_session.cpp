@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <thread>
 
 #include "app/session/as_recorded.h"
@@ -692,6 +693,85 @@ TEST(AsRecorded, WhatALiveHandHadToBearIsToldByItsReplay) {
   const auto skipped = double(then.solver.skipped);
   EXPECT_NEAR(double(now.solver.skipped), skipped, 0.1 * skipped) << "periods are counted from the ticks of its steps";
   EXPECT_GT(double(now.device.age.percentile_ns(0.99)) * 1e-6, 75);
+}
+
+/// A stylus with a clock of its own, as a receiving thread has it, read as often as the session asks.
+struct Stamped final : Source {
+  std::shared_ptr<SlowedTime> slowed;
+  std::optional<SourceTime> time;
+  int64_t seq = 0, last_ns = -1, off_ns = 0;
+  bool grows = true;
+  explicit Stamped(std::shared_ptr<SlowedTime> s) : slowed(std::move(s)) {}
+  void poll(int64_t now_ns, SampleSink& sink) override {
+    StylusSample s;
+    s.device_id = 7, s.seq = seq++, s.tip_mm = Vec3(0, 0, 20 + 0.01 * double(seq % 100));
+    s.t_ns = time->stamp_ns(time->wall_ns(RealClock::monotonic_ns()));
+    off_ns = std::max(off_ns, std::abs(s.t_ns - now_ns));
+    grows &= s.t_ns > last_ns;
+    last_ns = s.t_ns;
+    sink.on_sample(s);
+  }
+  bool done() const override { return false; }
+  SourceCounts counts() const override { return {seq, 0, 0}; }
+};
+
+// A patient whose steps take three periods, and a live hand in slow motion: no step is lost, the session lasts longer by
+// the wall's clock, stamps are of the session's, and the recording has it all.
+TEST(RealTime, InSlowMotionALiveHandLosesNoStepAndItsRecordingReplays) {
+  const std::string file = temporary("slowed.lcm");
+  const auto slowed = std::make_shared<SlowedTime>();
+  auto source = std::make_unique<Stamped>(slowed);
+  Stamped& stylus = *source;
+  SessionFigures then;
+  uint64_t steps = 0;
+  size_t samples = 0;
+  std::string said;
+  {
+    Rig rig(std::move(source), nullptr, true, true);
+    rig.patient.take_time(48'000'000);
+    Recorder recorder(*rig.channels, file, SessionInfo{}, {}, true);
+    SessionSettings set = quick();
+    set.slow_motion = slowed, set.settle_steps = 1, set.end_tick = 1500;
+    set.say = [&](const std::string& line) { said += line + "\n"; };
+    const int64_t began = RealClock::monotonic_ns();
+    then = run_realtime(rig.lanes(&recorder), set, {}, [&](int64_t start) { stylus.time.emplace(start, slowed); });
+    EXPECT_GT(RealClock::monotonic_ns() - began, 3'800'000'000) << "94 steps of 48 ms";
+    ASSERT_FALSE(recorder.failed()) << recorder.error();
+    steps = rig.solver.steps(), samples = size_t(stylus.seq);
+    EXPECT_LT(double(stylus.off_ns) * 1e-6, 100) << "the wall's stamps would be 3 s off";
+    EXPECT_TRUE(stylus.grows);
+  }
+  EXPECT_EQ(then.hand, "slowed");
+  EXPECT_EQ(then.solver.skipped, 0u);
+  EXPECT_NEAR(double(steps), 1500.0 / 16, 6);
+  EXPECT_GT(then.slowed_ns, 2'300'000'000);
+  EXPECT_LT(then.slowest, 0.4);
+  EXPECT_LT(double(then.device.age.percentile_ns(0.99)) * 1e-6, 75);
+  EXPECT_NE(said.find("slowed: 0."), std::string::npos) << said;
+  const Recording rec = read_recording(file);
+  std::filesystem::remove(file);
+  EXPECT_EQ(rec.damage.total(), 0) << rec.damage.first_message;
+  ASSERT_TRUE(rec.schedule.usable());
+  EXPECT_EQ(rec.samples.size(), samples);
+  const SessionFigures now = again(rec, rec.schedule);
+  EXPECT_EQ(now.state_hash, then.state_hash);
+  EXPECT_GT(now.hashes_compared, 5);
+  EXPECT_EQ(now.hashes_equal, now.hashes_compared);
+  EXPECT_EQ(now.solver.skipped, 0u) << "a replay counts periods by the ticks of the steps";
+}
+
+TEST(RealTime, BelowTheLeastPaceSlowMotionSkipsAndSaysSo) {
+  const auto slowed = std::make_shared<SlowedTime>();
+  Rig rig(surgeon());
+  rig.patient.take_time(240'000'000);
+  SessionSettings set = quick();
+  set.slow_motion = slowed, set.settle_steps = 1, set.end_tick = 700;
+  std::string said;
+  set.say = [&](const std::string& line) { said += line + "\n"; };
+  const SessionFigures f = run_realtime(rig.lanes(), set, {});
+  EXPECT_GT(f.solver.skipped, 10u);
+  EXPECT_NE(said.find("steps skipped so far"), std::string::npos) << said;
+  EXPECT_NE(said.find("slowed: 0.2 of real time"), std::string::npos) << said;
 }
 
 // The hand aimed at skin as it was shown; a long step has moved it since.

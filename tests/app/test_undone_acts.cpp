@@ -1,5 +1,6 @@
 // A script does not depend on acts that it takes back: strokes, stitches, rows, hooks and threads cut, undone at once
 // or several together, undone and done again, anywhere between the acts that stay.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <string>
@@ -71,7 +72,10 @@ End end_of(const std::vector<Command>& acts) {
   } catch (const InputError& e) {
     return {"", e.what()};
   }
-  return {hex(world.topology_hash()) + " " + hex(world.state_hash()), ""};
+  const SoftTissue& skin = *world.skin();  // its figures are no part of the hashes
+  return {fmt::format("{} {}, {} mm3, {} mm3 taken out, {} uJ", hex(world.topology_hash()), hex(world.state_hash()),
+                      skin.volume_mm3(), skin.removed_volume_mm3(), skin.closure_energy_uJ().value_or(-1)),
+          ""};
 }
 
 class UndoneActs : public testing::TestWithParam<int> {};

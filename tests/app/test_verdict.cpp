@@ -58,6 +58,7 @@ TEST_F(Verdict, AWoundWhoseWholeEdgeIsClosedIsGoodAndOnlyThatIsClosed) {
   EXPECT_EQ(light(open, kClosedWhole), "");
   EXPECT_EQ(light(open, "wound gape, widest"), "bad");
   EXPECT_EQ(light(open, "wound gape, 95 %"), "good");
+  EXPECT_EQ(light(open, "edge of the wound that is open"), "bad");
   EXPECT_EQ(open[0].light, "bad") << "what is wrong comes first";
   EXPECT_EQ(open[0].place, "(7.0, -3.0) mm");
 }
@@ -102,8 +103,22 @@ TEST_F(Verdict, EachFaultIsSeen) {
   alone("patient behind the hand", "bad", [&] { pace = Pace{5000, 0, 400, 900}; });
   alone("patient behind the hand", "warn", [&] { pace = Pace{5000, 0, 100, 900}; });
   alone("solver steps skipped", "warn", [&] { pace = Pace{3400, 1664, 40, 90}; });
+  alone("time added by slow motion", "warn", [&] { pace = Pace{3400, 0, 40, 90, SlowedPace{60, 0.7, 0.43}}; });
   alone("not at rest", "bad", [&] { residual = 1e-3; });
   alone("not at rest", "bad", [&] { residual = std::nan(""); });
+}
+
+TEST_F(Verdict, SlowMotionIsToldByTheTimeThatItAdded) {
+  pace = Pace{3400, 0, 40, 90};
+  EXPECT_EQ(light(look(), "time added"), "") << "a session in real time has none";
+  pace->slowed = SlowedPace{60, 0.59, 0.43};
+  EXPECT_EQ(light(look(), "time added"), "good");
+  pace->slowed = SlowedPace{60, 0.61, 0.43};
+  const auto v = look();
+  EXPECT_EQ(light(v, "time added"), "warn");
+  EXPECT_EQ(v[0].unit, "s");
+  EXPECT_EQ(v[0].value, 0.61);
+  EXPECT_EQ(v[0].place, "slowest second: 0.43 of real time");
 }
 
 TEST_F(Verdict, ALessonsOwnToleranceWinsAndWhatElseItAsksIsALine) {

@@ -140,6 +140,42 @@ TEST(LcmNetSource, StartsAndStopsWithoutTraffic) {
   EXPECT_TRUE(kept.all.empty());
 }
 
+// In slow motion a stamp is of the session's time, and silence is the wall's: a sender that was silent for 400 ms, a
+// fifth of it in the session, begins anew.
+TEST(LcmNetSource, StampsBySessionTimeAndMeasuresSilenceByTheWall) {
+  LcmNetSettings settings;
+  settings.url = "udpm://239.255.76.67:" + std::to_string(20'001 + getpid() % 20'000) + "?ttl=0";
+  lcm::LCM sender(settings.url);
+  if (!sender.good()) GTEST_SKIP() << "no multicast on this machine";
+  const int64_t start = monotonic_ns();
+  const auto slowed = std::make_shared<SlowedTime>();
+  slowed->bend(0, 200, SlowedTime::kNever);
+  const SourceTime time(start, slowed);
+  LcmNetSource source(settings, time);
+  Kept kept;
+  MessageBytes bytes;
+  const auto arrives = [&](int64_t seq, size_t count) {
+    const size_t n = encode_message(to_message(stylus(seq, 123, Vec3(1, 0, 0))), bytes);
+    sender.publish(std::string(kStylusChannel), bytes.data(), unsigned(n));
+    for (int i = 0; i < 2000 && kept.all.size() < count; ++i) {
+      source.poll(time.stamp_ns(time.wall_ns(monotonic_ns())), kept);
+      const timespec pause{0, 1'000'000};
+      nanosleep(&pause, nullptr);
+    }
+    return kept.all.size() == count;
+  };
+  if (!arrives(100, 1)) GTEST_SKIP() << "multicast packets do not come back on this machine";
+  const timespec silence{0, 400'000'000};
+  nanosleep(&silence, nullptr);
+  const int64_t before = monotonic_ns() - start;
+  EXPECT_TRUE(arrives(0, 2)) << "as a sender that has begun anew";
+  const int64_t after = monotonic_ns() - start, t_ns = time_of(kept.all.back());
+  EXPECT_GE(t_ns, before / 5);
+  EXPECT_LE(t_ns, after / 5 + 1);
+  EXPECT_LT(after - before, 1'500'000'000)
+      << "a stamp of the wall's would be handed over when the session has come there";
+}
+
 TEST(LcmNetSource, GoodPacketsArriveAndBadOnesAreCounted) {
   LcmNetSettings settings;
   settings.url = "udpm://239.255.76.67:" + std::to_string(20'000 + getpid() % 20'000) + "?ttl=0";

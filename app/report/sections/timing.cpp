@@ -68,6 +68,10 @@ html::Markup timing(const ReportSource& source) {
     body +=
         html::paragraph("The hand was emulated or recorded and waited for the patient: the session's clock stood for " +
                         quantity(d.solver.waited_ms, "ms") + " in all, so that no step was skipped.");
+  if (said(d.solver.hand) == "slowed" && d.solver.slowest_pace)
+    body += html::paragraph("The session ran in slow motion where the patient fell behind the hand: it lasted " +
+                            quantity(d.solver.slowed_ms, "ms") + " longer than its own clock says, and its slowest " +
+                            "second passed at " + number(*d.solver.slowest_pace, 2) + " of real time.");
   if (const std::string facts = counts(d); !facts.empty()) body += html::paragraph(facts);
   body += html::chart(svg(chart)) +
           html::note(
