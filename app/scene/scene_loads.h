@@ -1,10 +1,10 @@
 #pragma once
 // What holds a block and what loads a body:
 //
-//   [body]   sliding_sides = ["-x", "-y", ...]   sides of a block that hold along their axis and slide in their plane, as
-//                                                rollers and planes of symmetry do
-//            free_sides = ["+x"]                 sides that hold nothing; -z is the bottom. All others hold, the skin is
-//                                                free; one side at least must hold or slide
+//   [body]   sliding_sides = ["-x", "-y", ...]   sides of a block that hold along their axis and slide in their
+//                                                plane, as rollers and planes of symmetry do
+//            free_sides = ["+x"]                 sides that hold nothing; -z is the bottom. All others hold, the
+//                                                skin is free; one side at least must hold or slide
 //   [loads]  gravity_m_s2 = [0, 0, -9.81]        weight, along the axes of the body; at most 100 m/s^2. Absent: none
 //            patches = [{at_mm = [x, y], force_N = [x, y, z], radius_mm}, ...]
 //                                                dead forces on patches of skin, at most 32 and 100 N each; radius_mm

@@ -3,10 +3,11 @@
 //
 // The block fills [-sx/2, sx/2] x [-sy/2, sy/2] x [-sz, 0] mm. Its top, z = 0, is the skin: a
 // grid of nearly square cells of skin_cell_mm, each split along a diagonal that alternates like
-// a chessboard, so that no direction is favoured. Sides and bottom are tagged fixed where they hold the block, whole or
-// sliding in their plane (rollers, a plane of symmetry), else free. The bottom grid is twice as coarse; the lowest row of the sides makes the change, so that the surface is
-// closed without T-junctions. All vertices lie on the even rest grid and every side is exactly
-// flat. uv runs from 0 to 1 over the longer side of the skin and unfolds over the edges.
+// a chessboard, so that no direction is favoured. Sides and bottom are tagged fixed where they hold the block, whole
+// or sliding in their plane (rollers, a plane of symmetry), else free. The bottom grid is twice as coarse; the lowest
+// row of the sides makes the change, so that the surface is closed without T-junctions. All vertices lie on the even
+// rest grid and every side is exactly flat. uv runs from 0 to 1 over the longer side of the skin and unfolds over the
+// edges.
 #include <array>
 #include <string>
 #include <vector>

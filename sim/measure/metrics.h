@@ -23,8 +23,8 @@ namespace limberg {
 struct ForceBalance {
   Vec3 hooks_N = Vec3::Zero(), supports_N = Vec3::Zero(), sum_N = Vec3::Zero();
   Vec3 loads_N = Vec3::Zero();  // weight and loads of the scene
-  // |sum| / (|force| of each hook, of the loads' and the supports' resultant and of both ends of each stitch, added up; at least 10
-  // mN, so that rounding is not called an imbalance where nothing pulls).
+  // |sum| / (|force| of each hook, of the loads' and the supports' resultant and of both ends of each stitch, added up;
+  // at least 10 mN, so that rounding is not called an imbalance where nothing pulls).
   double relative = 0;
 };
 
@@ -100,7 +100,7 @@ struct RestVolumes {
   double volume_mm3 = 0, removed_mm3 = 0, initial_mm3 = 0;
 };
 
-/// `support_force_mN` and `load_force_mN` as ElasticSolver gives them: what the held nodes receive, and weight and loads.
+/// `support_force_mN` and `load_force_mN` as ElasticSolver gives them: what the held nodes receive; weight and loads.
 ForceBalance force_balance(std::span<const HookState> hooks, std::span<const SutureState> sutures,
                            const Vec3& support_force_mN, const Vec3& load_force_mN = Vec3::Zero());
 

@@ -82,9 +82,9 @@ class SoftTissue {
   int pieces() const { return tissue_.version().lattice->pieces; }  // connected pieces of the lattice
   std::vector<int> stitches_in_one_bank() const { return sutures_.in_one_bank(); }
   ContactCounts contact_counts() const { return contacts_.counts(); }  // what contact has cost so far, counted
-  /// Elastic energy, threads included (and weight and loads by what they have done), above that of the open wound: of the last state at rest (residual 1e-3) that
-  /// neither hook nor stitch held. Nothing as long as there was none, or a hook still pulls. Cutting after it goes into
-  /// the difference.
+  /// Elastic energy, threads included (and weight and loads by what they have done), above that of the open wound: of
+  /// the last state at rest (residual 1e-3) that neither hook nor stitch held. Nothing as long as there was none, or a
+  /// hook still pulls. Cutting after it goes into the difference.
   std::optional<double> closure_energy_uJ() const;
 
  private:

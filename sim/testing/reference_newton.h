@@ -23,7 +23,8 @@ class ReferenceElasticity {
   ReferenceElasticity(const ReferenceElasticity&) = delete;
   ReferenceElasticity& operator=(const ReferenceElasticity&) = delete;
 
-  /// uJ, as defined in fem_model.h, springs, contacts and what loads have done included; relative to the undeformed state of the cells.
+  /// uJ, as defined in fem_model.h, springs, contacts and what loads have done included; relative to the undeformed
+  /// state of the cells.
   double energy(std::span<const Vec3> u) const;
   /// mN at every node, fixed ones included; hanging ones keep theirs.
   double gradient(std::span<const Vec3> u, std::vector<Vec3>& g) const;

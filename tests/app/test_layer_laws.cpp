@@ -212,8 +212,8 @@ TEST(LayerLaws, TheSolverFindsTheUniformState) {
   }
 }
 
-// On rollers: a scene whose block slides on three sides and is drawn out along x, by the float engine. Nobody tells it the
-// lateral stretch, and the pull is the sum of its supports. Of every law the tension along its first axis.
+// On rollers: a scene whose block slides on three sides and is drawn out along x, by the float engine. Nobody tells it
+// the lateral stretch, and the pull is the sum of its supports. Of every law the tension along its first axis.
 TEST(LayerLaws, RollersGiveUniaxialTension) {
   int states = 0;
   for (const HomogeneousState& h : homogeneous_states()) {

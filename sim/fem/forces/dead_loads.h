@@ -26,8 +26,8 @@ class DeadLoads {
   bool empty() const { return all_.empty(); }
   /// Of the steps to come.
   void dynamic(bool on) { dynamic_ = on; }
-  /// Adds the gradient (held nodes included); returns the energy and, in `magnitude`, the sum of the sizes of its terms.
-  /// `measure`: also adds the norm of each force to w.
+  /// Adds the gradient (held nodes included); returns the energy and, in `magnitude`, the sum of the sizes of its
+  /// terms. `measure`: also adds the norm of each force to w.
   double add(const NodeArray& u, NodeArray& g, bool measure, double& magnitude) const;
   Vec3 sum_mN() const;
 

@@ -195,8 +195,8 @@ struct Spring {
   double thread_mm = 0;
 };
 
-/// A dead force on the tissue: it keeps size and direction, whatever moves. Its places share it evenly (a point load has
-/// no limit as cells get smaller).
+/// A dead force on the tissue: it keeps size and direction, whatever moves. Its places share it evenly (a point load
+/// has no limit as cells get smaller).
 struct DeadLoad {
   std::vector<EmbeddedPoint> at;  // one at least
   Vec3 force_mN = Vec3::Zero();

@@ -10,8 +10,9 @@
 //         In both the new velocity is (u - U)/h. (BDF2: Hairer &
 //         Wanner, Solving Ordinary Differential Equations II, V.1.)
 //   d     = -H g, H: L-BFGS over a scalar matrix, factored or by a multilevel cycle
-//         (Preconditioner; ComponentMetric where nodes are held along some axes); Armijo line search; when the change of energy is below the noise of
-//         single precision, the slope decides instead (Hager & Zhang 2005, "approximate Wolfe")
+//         (Preconditioner; ComponentMetric where nodes are held along some axes);
+//         Armijo line search; when the change of energy is below the noise of single precision,
+//         the slope decides instead (Hager & Zhang 2005, "approximate Wolfe")
 //         where cells are drawn out many times H gets what it lacks there (stretched_cells.h)
 //   P     hanging nodes, if any, follow their masters: u is spread to them
 //         after every move, evaluate() hands their forces on, so g is zero

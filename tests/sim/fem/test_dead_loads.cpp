@@ -80,8 +80,8 @@ TEST(DeadLoads, AColumnUnderItsOwnWeight) {
   }
 }
 
-// Rollers on three sides, the fourth drawn out: a homogeneous state, lambda (J - 1) l + mu = mu l with J = l a^2, at any
-// Poisson's ratio; the pull is the sum of the supports.
+// Rollers on three sides, the fourth drawn out: a homogeneous state, lambda (J - 1) l + mu = mu l with J = l a^2, at
+// any Poisson's ratio; the pull is the sum of the supports.
 TEST(DeadLoads, UniaxialTensionOnRollers) {
   constexpr double l = 1.3;
   for (const double nu : {0.0, 0.3, 0.45, 0.499}) {
