@@ -108,7 +108,7 @@ void fill_operation(Result& r, const World& world, const Scene& scene, const Ope
                     const Metrics& metrics) {
   const FemModel& m = world.skin()->solver().model();
   size_t free_nodes = 0;
-  for (const uint8_t f : m.fixed) free_nodes += f == 0;
+  for (const Held h : m.fixed) free_nodes += !h.all();
   ResultRun run;
   run.scene_title = scene.name, run.scene_note = scene.note;
   run.lattice = {world.skin()->spec().cell_mm, m.X_mm.size(), o.cells, m.cells.size(), 3 * free_nodes};

@@ -57,6 +57,7 @@ struct Subject {
     // Tetrahedra have no lattice that a multilevel cycle could use.
     solver =
         std::make_unique<fem::LbfgsSolver>(workers, true, direct ? fem::MetricPolicy{1 << 30} : fem::MetricPolicy{});
+    solver->set_gravity(probe.gravity_m_s2);
     solver->set_model(probe.model, {});
     pull(0);
     rest();

@@ -47,6 +47,7 @@ Probe make_probe(const Scene& scene, std::shared_ptr<const Body> body, double ce
     world.apply(
         Incise{{{-half, 0}, {half, 0}}, std::min(scene.tools.default_depth_mm, scene.tools.max_depth_mm), 90, false});
   Probe p;
+  p.gravity_m_s2 = scene.gravity_m_s2;
   p.model = std::make_shared<const FemModel>(world.skin()->solver().model());
   const SurfaceTopology& t = *world.topology();
   const Outcome hooked = world.apply(SetHook{1, {0, 4}});
@@ -182,10 +183,10 @@ std::shared_ptr<const FemModel> with_tetrahedra(const FemModel& from) {
     const int32_t centre = int32_t(m->X_mm.size());
     Vec3 X = Vec3::Zero();
     double mass = 0;
-    bool fixed = true;
+    unsigned held = Held(true).axes();
     for (int32_t v : c.node)
-      X += from.X_mm[size_t(v)] / 8, fixed = fixed && from.fixed[size_t(v)], mass += 0.25 * from.mass_kg[size_t(v)] / 8;
-    m->X_mm.push_back(X), m->fixed.push_back(fixed), m->parent.push_back(-1), m->mass_kg.push_back(mass);
+      X += from.X_mm[size_t(v)] / 8, held &= from.fixed[size_t(v)].axes(), mass += 0.25 * from.mass_kg[size_t(v)] / 8;
+    m->X_mm.push_back(X), m->fixed.push_back(Held::axes(held)), m->parent.push_back(-1), m->mass_kg.push_back(mass);
     const size_t parity = size_t((c.at[0] / 2 + c.at[1] / 2 + c.at[2] / 2) & 1);
     for (size_t k = 0; k < 12; ++k) {
       HexCell t = c;

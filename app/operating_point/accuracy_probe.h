@@ -14,9 +14,10 @@ namespace limberg::bench {
 /// A scene on one lattice, cut and at rest.
 struct Probe {
   std::shared_ptr<const FemModel> model;
-  Spring hook;                  // at rest
-  Vec3 pull_mm = Vec3::Zero();  // of its handle, all in all
-  std::vector<Vec3> X_mm;       // places of the skin: rest position
+  Spring hook;                       // at rest
+  Vec3 pull_mm = Vec3::Zero();       // of its handle, all in all
+  Vec3 gravity_m_s2 = Vec3::Zero();  // the scene's; its other loads are left out
+  std::vector<Vec3> X_mm;            // places of the skin: rest position
   std::vector<EmbeddedPoint> place;
 };
 

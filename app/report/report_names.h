@@ -21,8 +21,9 @@
 //   "gallery":     [{"picture", "caption"}]  more pictures, side by side; those that are not there are left out
 //   "series":      {"t_s": [...], "residual": [...], "distance_mm": [...]}  of the solver, one entry a step or thinner;
 //                  null where a value is missing
-//   "balance":     {"hooks_N": [x,y,z], "supports_N": [x,y,z], "sum_N": [x,y,z], "relative": r}
-//                  forces on the tissue at the end; relative = |sum| / sum of magnitudes
+//   "balance":     {"hooks_N": [x,y,z], "loads_N": [x,y,z], "supports_N": [x,y,z], "sum_N": [x,y,z], "relative": r}
+//                  forces on the tissue at the end; loads_N: weight and loads, of scenes with such;
+//                  relative = |sum| / sum of magnitudes
 //   "metrics":     also "removed_volume_mm3", "initial_volume_mm3"
 //   "convergence": [{"cell_mm", "nodes", "closure_force_N", "suture_gap_max_mm", "dog_ear_mm", "residual", "solve_ms"}]
 //   "discretisation": {NAME: {"value", "error", "order", "extrapolated", "asymptotic", "says"}}   NAME: one of

@@ -62,9 +62,11 @@ void fill_metrics(Result& r, const Metrics& m) {
   patient.landmarks = unless_empty(std::move(landmarks));
   patient.penetration_at_mm = vector_of(m.penetration.at_mm);
   write_fields(r, "/metrics", patient);
+  std::optional<ResultVector> loads;
+  if (!m.balance.loads_N.isZero(0)) loads = vector_of(m.balance.loads_N);
   write_fields(r, "/balance",
                ResultBalance{vector_of(m.balance.hooks_N), vector_of(m.balance.supports_N), vector_of(m.balance.sum_N),
-                             m.balance.relative});
+                             m.balance.relative, loads});
 }
 
 }  // namespace limberg

@@ -173,9 +173,11 @@ void fields(ResultPatient& x, auto&& f) {
 struct ResultBalance {
   ResultVector hooks_N{}, supports_N{}, sum_N{};
   double relative = 0;
+  std::optional<ResultVector> loads_N{};  // weight and loads, of scenes with such
 };
 void fields(ResultBalance& x, auto&& f) {
-  f("hooks_N", x.hooks_N), f("supports_N", x.supports_N), f("sum_N", x.sum_N), f("relative", x.relative);
+  f("hooks_N", x.hooks_N), f("loads_N", x.loads_N), f("supports_N", x.supports_N), f("sum_N", x.sum_N),
+      f("relative", x.relative);
 }
 
 /// exercise/design: against the plan.

@@ -13,6 +13,7 @@
 #include "app/scene/scene_head_read.h"
 #include "app/scene/scene_lattice.h"
 #include "app/scene/scene_layers.h"
+#include "app/scene/scene_loads.h"
 #include "app/scene/toml_table.h"
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
@@ -35,6 +36,7 @@ void read_body(Table t, Scene& s, const std::string& file) {
     s.source = Scene::Source::block;
     s.block.name = s.name;
     s.block.tension_direction = tension;
+    read_sides(t, s);
     t.vector("size_mm", s.block.size_mm, 1000);
     if (s.block.size_mm.minCoeff() < 1)
       t.fail("size_mm", "has a side of " + number(s.block.size_mm.minCoeff()) + " mm; expected 1 to 1000 mm");
@@ -84,12 +86,13 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
   Table top(&root, "", path);
   top.text("name", s.name, 200);
   top.text("note", s.note, 10'000);
-  top.finish({"head", "body", "layer", "lattice", "build", "springs", "solver", "tools", "landmarks", "camera"});
+  top.finish(
+      {"head", "body", "layer", "lattice", "loads", "build", "springs", "solver", "tools", "landmarks", "camera"});
 
   s.head = read_head(root, path);
   s.flesh = !s.head || root.contains("body");
   if (!s.flesh)
-    for (const char* key : {"layer", "lattice", "springs", "build"})
+    for (const char* key : {"layer", "lattice", "loads", "springs", "build"})
       if (const toml::node* n = root.get(key))
         throw InputError(path, int(n->source().begin.line),
                          std::string(key) + " belongs to a [body], and there is none; expected a [body] or no " + key);
@@ -110,6 +113,7 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
         });
 
   read_lattice(root, path, s);
+  read_loads(root, path, s);
 
   Table build = section(root, "build", path);
   build.boolean("can_cut", s.can_cut);
@@ -227,12 +231,14 @@ std::shared_ptr<const Body> build_body(const Scene& scene, SurfaceReport* report
                        "lattice.cell_mm is " + number(scene.cell_mm) + ", larger than the surface's smallest side of " +
                            number(side) + " mm; expected cells that fit into it");
     check_fine_places(scene, body);
+    check_load_places(scene, body);
     return body;
   }
   auto body = std::make_shared<Body>(make_block(scene.block));
   body->laws = scene.laws;
   if (report) *report = validate_surface(body->surface, body->grid, scene.path);
   check_fine_places(scene, body);
+  check_load_places(scene, body);
   return body;
 }
 
@@ -251,6 +257,7 @@ WorldSpec world_spec(const Scene& scene, std::shared_ptr<const Body> body) {
   w.fine = scene.fine, w.wound_level = scene.wound_level;
   w.dynamic = scene.dynamic;
   w.contact = scene.contact;
+  w.gravity_m_s2 = scene.gravity_m_s2, w.loads = scene.loads;
   w.seed = scene.seed;
   return w;
 }

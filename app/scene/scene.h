@@ -4,7 +4,7 @@
 //   name = "rhomboid"                      optional, else the file's name
 //   note = "..."                           optional
 //   [body]       source = "block" | "obj"
-//                block: size_mm = [x, y, z], skin_cell_mm
+//                block: size_mm = [x, y, z], skin_cell_mm, sliding_sides and free_sides (scene_loads.h)
 //                obj:   mesh = "file.obj" (relative to the scene file), scale_to_mm, deep_direction = [x, y, z],
 //                       deep_center_mm, deep_angle_deg, deep_plane_mm (obj.h), chart_origin_mm, chart_e1,
 //                chart_e2
@@ -20,6 +20,7 @@
 //                than this from the chart's origin holds still and costs
 //                the solver nothing; 0, the default: all of it moves),
 //                wound_cell_mm and fine (smaller cells: scene_lattice.h)
+//   [loads]      gravity_m_s2 = [x, y, z], patches of skin with a force on them: scene_loads.h
 //   [build]      can_cut, dynamic, contact = "auto" | true | false
 //                (do wound surfaces keep each other out? auto: as
 //                soon as something has been cut, the default)
@@ -75,6 +76,9 @@ struct Scene {
   ContactChoice contact = ContactChoice::automatic;
   double suture_N_per_mm = 20, suture_bite_mm = 2, hook_N_per_mm = 0.5, hook_tip_mm = 2;
   uint64_t seed = 1;
+  Vec3 gravity_m_s2 = Vec3::Zero();  // WorldSpec
+  std::vector<SkinLoad> loads;
+  std::vector<int> load_line;  // where in the file each stands
 
   int iterations_per_step = 10;
   double steps_per_s = 60;

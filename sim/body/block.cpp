@@ -128,6 +128,10 @@ Body make_block(const BlockSpec& spec) {
     const auto [i, j] = border(n);
     return bottom.at(i / 2, j / 2);
   };
+  const auto tag_of = [&](const Vec3& normal) {
+    const size_t side = normal.x() != 0 ? size_t(normal.x() > 0) : normal.y() != 0 ? 2 + size_t(normal.y() > 0) : 4;
+    return spec.sides[side] == SideHold::free ? SurfaceTag::free : SurfaceTag::fixed;
+  };
   auto outward = [&](int n) -> Vec3 {
     if (n < nx) return -Vec3::UnitY();
     if (n < nx + ny) return Vec3::UnitX();
@@ -141,24 +145,24 @@ Body make_block(const BlockSpec& spec) {
                     s = row[size_t(k)][size_t(n)];
       const Vec3 normal = outward(n);
       if ((n + k) % 2 == 0) {
-        b.triangle(p, q, r, SurfaceTag::fixed, normal);
-        b.triangle(p, r, s, SurfaceTag::fixed, normal);
+        b.triangle(p, q, r, tag_of(normal), normal);
+        b.triangle(p, r, s, tag_of(normal), normal);
       } else {
-        b.triangle(p, q, s, SurfaceTag::fixed, normal);
-        b.triangle(q, r, s, SurfaceTag::fixed, normal);
+        b.triangle(p, q, s, tag_of(normal), normal);
+        b.triangle(q, r, s, tag_of(normal), normal);
       }
     }
   for (int n = 0; n < ring; n += 2) {  // two fine edges above, one coarse edge below
     const auto& up = row[size_t(nz - 1)];
     const int32_t l = low(n), r = low(n + 2), a = up[size_t(n)], c = up[size_t(n + 1)], e = up[size_t((n + 2) % ring)];
     const Vec3 normal = outward(n);
-    b.triangle(l, c, a, SurfaceTag::fixed, normal);
-    b.triangle(l, r, c, SurfaceTag::fixed, normal);
-    b.triangle(r, e, c, SurfaceTag::fixed, normal);
+    b.triangle(l, c, a, tag_of(normal), normal);
+    b.triangle(l, r, c, tag_of(normal), normal);
+    b.triangle(r, e, c, tag_of(normal), normal);
   }
   // Seen from below: swap the corners of every triangle of the bottom.
   const size_t first = b.mesh.tri.size();
-  b.fill(bottom, SurfaceTag::fixed, -Vec3::UnitZ());
+  b.fill(bottom, tag_of(-Vec3::UnitZ()), -Vec3::UnitZ());
   for (size_t t = first; t < b.mesh.tri.size(); ++t) {
     std::swap(b.mesh.tri[t][1], b.mesh.tri[t][2]);
     std::swap(b.mesh.uv[t][1], b.mesh.uv[t][2]);
@@ -171,6 +175,8 @@ Body make_block(const BlockSpec& spec) {
   body.box_min_mm = snap({x(0), y(0), -spec.size_mm.z()});
   body.box_max_mm = snap({x(nx), y(ny), 0});
   body.is_box = true;
+  for (size_t side = 0; side < spec.sides.size(); ++side)
+    if (spec.sides[side] == SideHold::sliding) body.sliding_sides |= uint8_t(1u << side);
   return body;
 }
 

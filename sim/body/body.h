@@ -34,6 +34,8 @@ struct Body {
   Vec3 tension_direction = Vec3::UnitX();
   Vec3 box_min_mm = Vec3::Zero(), box_max_mm = Vec3::Zero();
   bool is_box = false;  // an axis-aligned block: the lattice is fitted to it exactly
+  // Of a box, bit 2 axis + (0 low, 1 high): a side tagged `fixed` that holds along its axis and slides in its plane
+  uint8_t sliding_sides = 0;
 
   // Chart: a point p of the chart is the skin point met by the line through chart_origin + p.x e1 + p.y e2 along the
   // chart normal e1 x e2, outermost first.

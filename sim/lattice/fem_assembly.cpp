@@ -51,11 +51,14 @@ class Assembly {
     const double volume = whole_mm3_ / double(1 << 3 * cell.level);
     return std::max(copy.fraction, 0.0) * volume * table_.stencils()[size_t(stencil)].density_kg_mm3;
   }
-  /// Whether a copy holds the node at its corner.
-  bool holds(int32_t cell, uint8_t fixed_sides, int32_t node, size_t corner) const {
+  /// What of the node at its corner a copy holds.
+  Held holds(int32_t cell, uint8_t fixed_sides, int32_t node, size_t corner) const {
     const uint8_t may = table_.fixed_candidate(t_.nodes[size_t(node)].at);
-    return (may & fixed_sides & 0x3f) || (may & StencilTable::kNearFixed) ||
-           ((may & StencilTable::kFarFixed) && !(t_.corners_in_material(cell) >> corner & 1));
+    Held h = (may & StencilTable::kNearFixed) ||
+             ((may & StencilTable::kFarFixed) && !(t_.corners_in_material(cell) >> corner & 1));
+    for (int side = 0; side < 6; ++side)
+      if ((may & fixed_sides) >> side & 1) h |= table_.slides(side) ? Held::axis(side / 2) : Held(true);
+    return h;
   }
 
   void all(FemModel& model) const;
@@ -74,7 +77,7 @@ class Assembly {
 void Assembly::all(FemModel& model) const {
   const size_t nodes = t_.nodes.size();
   for (const NodeCopy& n : t_.nodes) model.X_mm.push_back(t_.grid.eighth_mm(n.at));
-  std::vector<uint8_t> fixed(nodes, 0);
+  std::vector<Held> fixed(nodes);
   std::vector<double> mass(nodes, 0);
   model.cells.reserve(t_.cells.size());
   for (size_t id = 0; id < t_.cells.size(); ++id) {
@@ -91,10 +94,10 @@ void Assembly::all(FemModel& model) const {
       if (!comp->classes[k].fixed_sides) continue;
       const auto& node = t_.cells[size_t(t_.copy(int32_t(c), int(k)))].node;
       for (size_t corner = 0; corner < 8; ++corner)
-        if (holds(int32_t(c), comp->classes[k].fixed_sides, node[corner], corner)) fixed[size_t(node[corner])] = 1;
+        fixed[size_t(node[corner])] |= holds(int32_t(c), comp->classes[k].fixed_sides, node[corner], corner);
     }
   }
-  for (const auto& h : t_.hanging) fixed[size_t(h.node)] = 0;  // its masters hold it
+  for (const auto& h : t_.hanging) fixed[size_t(h.node)] = false;  // its masters hold it
   model.fixed = fixed;
   model.mass_kg = mass;
 }
@@ -105,7 +108,7 @@ void Assembly::changed(FemModel& model, const EarlierModel& before) const {
   model.fixed = before.model.fixed;
   model.mass_kg = before.model.mass_kg;
   model.X_mm.resize(t_.nodes.size(), Vec3::Zero());
-  model.fixed.resize(t_.nodes.size(), 0);
+  model.fixed.resize(t_.nodes.size());
   model.mass_kg.resize(t_.nodes.size(), 0);
   NumberSet nodes(t_.nodes.size());  // whose cells have changed
   for_each_change(before.topology.nodes, t_.nodes, [&](size_t n) {
@@ -142,7 +145,7 @@ void Assembly::changed(FemModel& model, const EarlierModel& before) const {
       nodes.add_all(t_.cells[size_t(t_.copy(int32_t(cell), k))].node);
   });
   nodes_again(model, nodes.ascending());
-  for (const auto& h : t_.hanging) model.fixed.set(size_t(h.node), 0);
+  for (const auto& h : t_.hanging) model.fixed.set(size_t(h.node), false);
 }
 
 // From the copies around them, in their order: each copy is looked at once, for all of its corners.
@@ -163,7 +166,7 @@ void Assembly::nodes_again(FemModel& model, std::span<const int32_t> nodes) cons
   std::vector<int32_t> place(t_.nodes.size(), -1);
   for (size_t i = 0; i < nodes.size(); ++i) place[size_t(nodes[i])] = int32_t(i);
   std::vector<double> mass(nodes.size(), 0);
-  std::vector<uint8_t> fixed(nodes.size(), 0);
+  std::vector<Held> fixed(nodes.size());
   const SharedArray<HexCell>& made = model.cells;
   for (int32_t id : copies.ascending()) {
     const CellCopy& copy = t_.cells[size_t(id)];
@@ -176,7 +179,7 @@ void Assembly::nodes_again(FemModel& model, std::span<const int32_t> nodes) cons
       const int32_t at = place[size_t(copy.node[corner])];
       if (at < 0) continue;
       mass[size_t(at)] += share;
-      if (sides && holds(copy.cell, sides, copy.node[corner], corner)) fixed[size_t(at)] = 1;
+      if (sides) fixed[size_t(at)] |= holds(copy.cell, sides, copy.node[corner], corner);
     }
   }
   for (size_t i = 0; i < nodes.size(); ++i) {

@@ -68,6 +68,8 @@ class StencilTable {
   /// to it is fixed: kNearFixed within 0.1 cell, kFarFixed beyond.
   static constexpr uint8_t kNearFixed = 0x80, kFarFixed = 0x40;
   uint8_t fixed_candidate(Int3 at) const;
+  /// Whether a side of a block, 2 axis + (0 low, 1 high), holds along its axis only (Body::sliding_sides).
+  bool slides(int side) const { return sliding_sides_ >> side & 1; }
 
  private:
   void fill_block(const Body& body, const LatticeGrid& grid);
@@ -98,7 +100,7 @@ class StencilTable {
   const Skin* skin_;
   LatticeGrid grid_;
   bool is_block_ = false;
-  uint8_t fixed_sides_ = 0;                                    // of a block
+  uint8_t fixed_sides_ = 0, sliding_sides_ = 0;                // of a block
   mutable std::map<std::array<int32_t, 4>, int32_t> of_part_;  // level and place (of a block: z alone)
   mutable std::map<std::array<int32_t, 3>, uint8_t> fixed_part_;
 };

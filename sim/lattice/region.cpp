@@ -19,8 +19,8 @@ std::shared_ptr<const FemModel> hold_outside(std::shared_ptr<const FemModel> mod
     out[size_t(h.node)] =
         std::all_of(h.master.begin(), h.master.begin() + h.count, [&](int32_t n) { return out[size_t(n)] != 0; });
   for (size_t i = 0; i < out.size(); ++i)
-    if (out[i]) m->fixed.set(i, 1);
-  for (const HangingNode& h : m->hanging) m->fixed.set(size_t(h.node), 0);
+    if (out[i]) m->fixed.set(i, true);
+  for (const HangingNode& h : m->hanging) m->fixed.set(size_t(h.node), false);
   for (size_t c = 0; c < m->cells.size(); ++c) {
     HexCell cell = std::as_const(m->cells)[c];
     if (!std::all_of(cell.node.begin(), cell.node.end(), [&](int32_t n) { return out[size_t(n)] != 0; })) continue;

@@ -265,7 +265,7 @@ void StencilTable::fill_block(const Body& body, const LatticeGrid& grid) {
         if (on) sides |= uint8_t(1u << (2 * a + high));
       }
   }
-  fixed_sides_ = sides;
+  fixed_sides_ = sides, sliding_sides_ = body.sliding_sides;
   for (size_t n = 0; n < fixed_.size(); ++n) {
     const Int3 at = grid.node_at(int32_t(n));
     for (int a = 0; a < 3; ++a) {

@@ -50,7 +50,7 @@ constexpr double kField_mm = 20;  // the operated skin reaches so far from the c
 }  // namespace
 
 ForceBalance force_balance(std::span<const HookState> hooks, std::span<const SutureState> sutures,
-                           const Vec3& support_force_mN) {
+                           const Vec3& support_force_mN, const Vec3& load_force_mN) {
   ForceBalance b;
   constexpr double kLeast_N = 0.01;
   double all = 0;
@@ -59,8 +59,9 @@ ForceBalance force_balance(std::span<const HookState> hooks, std::span<const Sut
     all += double(h.force_N.norm());
   }
   b.supports_N = -1e-3 * support_force_mN;  // on the tissue
-  b.sum_N = b.hooks_N + b.supports_N;
-  all += b.supports_N.norm();
+  b.loads_N = 1e-3 * load_force_mN;
+  b.sum_N = b.hooks_N + b.supports_N + b.loads_N;
+  all += b.supports_N.norm() + b.loads_N.norm();
   for (const SutureState& s : sutures) all += 2 * std::abs(double(s.force_N));
   b.relative = b.sum_N.norm() / std::max(all, kLeast_N);
   return b;
@@ -117,7 +118,7 @@ Metrics measure(const Snapshot& snapshot, const Skin& skin, const ElasticSolver&
   solver.cell_J(J);
   if (!J.empty()) m.min_J = double(*std::min_element(J.begin(), J.end()));
   look_at_inverted(J, solver.model(), m);
-  m.balance = force_balance(snapshot.hooks, snapshot.sutures, solver.support_force_mN());
+  m.balance = force_balance(snapshot.hooks, snapshot.sutures, solver.support_force_mN(), solver.load_force_mN());
 
   const SurfaceView& view = snapshot.topology->view;
   const std::span<const Vec3f> x = snapshot.x_mm;

@@ -22,8 +22,9 @@ namespace limberg {
 /// Forces on the tissue from outside. At equilibrium they add up to nothing, whatever the stitches do within.
 struct ForceBalance {
   Vec3 hooks_N = Vec3::Zero(), supports_N = Vec3::Zero(), sum_N = Vec3::Zero();
-  // |sum| / (|force| of each hook, of the supports' resultant and of both ends of each stitch, added up; at least 10
-  // mN, so that rounding is not called an imbalance where nothing pulls).
+  Vec3 loads_N = Vec3::Zero();  // weight and loads of the scene
+  // |sum| / (|force| of each hook, of the loads' and the supports' resultant and of both ends of each stitch, added up;
+  // at least 10 mN, so that rounding is not called an imbalance where nothing pulls).
   double relative = 0;
 };
 
@@ -99,9 +100,9 @@ struct RestVolumes {
   double volume_mm3 = 0, removed_mm3 = 0, initial_mm3 = 0;
 };
 
-/// `support_force_mN` as ElasticSolver gives it: what the fixed nodes receive from the material.
+/// `support_force_mN` and `load_force_mN` as ElasticSolver gives them: what the held nodes receive; weight and loads.
 ForceBalance force_balance(std::span<const HookState> hooks, std::span<const SutureState> sutures,
-                           const Vec3& support_force_mN);
+                           const Vec3& support_force_mN, const Vec3& load_force_mN = Vec3::Zero());
 
 /// A stitch that pulls with less holds nothing: the weight of a tenth of a gram, about that of its own thread.
 inline constexpr double kHolds_N = 1e-3;

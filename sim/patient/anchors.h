@@ -56,6 +56,13 @@ struct Thread {
   bool closing = true;
 };
 
+/// A load of the scene on the patch of skin around its anchor.
+struct PlacedLoad {
+  Anchor anchor;
+  Vec3 force_N = Vec3::Zero();
+  double radius_mm = 0;
+};
+
 /// Finds the anchor of a surface point; `point` comes from the RestIndex of the same view.
 Anchor make_anchor(const SurfaceView& view, const RestIndex& index, const SurfacePoint& point);
 

@@ -106,7 +106,8 @@ Acted<TissueChange> SoftTissue::finish(TissueCut& cut) {
     pass(spec().fault);
     hooks_.carry();
     sutures_.carry();
-    publish_springs();
+    loads_.carry();
+    publish_holding();
     pass(spec().fault);
     ++figures_.cuts;
     figures_.removed_volume_mm3 += cut.removed_mm3();

@@ -4,15 +4,7 @@
 
 #include <algorithm>
 
-#include "sim/patient/skin_patch.h"
-
 namespace limberg {
-
-void Hooks::widen(Anchor& anchor) const {
-  anchor.wide.clear();
-  for (const SurfacePoint& p : skin_patch(tissue_.version().surface->view, anchor.at, tissue_.spec().hook_tip_mm))
-    anchor.wide.push_back(tissue_.embed(p));
-}
 
 Outcome Hooks::act(const SetHook& c) {
   if (c.id <= 0) return {false, fmt::format("hook id {}; a positive number was expected", c.id)};
@@ -21,7 +13,7 @@ Outcome Hooks::act(const SetHook& c) {
   std::string reason;
   auto anchor = tissue_.find_anchor(c.at, false, reason);
   if (!anchor) return {false, reason};
-  widen(*anchor);
+  anchor->wide = tissue_.embed_patch(*anchor, tissue_.spec().hook_tip_mm);
   holding_.hooks.push_back({c.id, holding_.next_spring++, *anchor, tissue_.held_mm(*anchor)});
   return {true, {}};
 }
@@ -45,7 +37,7 @@ Outcome Hooks::act(const ReleaseHook& c) {
 
 void Hooks::carry() {
   std::erase_if(holding_.hooks, [&](Hook& h) { return !tissue_.carry(h.anchor); });
-  for (Hook& h : holding_.hooks) widen(h.anchor);
+  for (Hook& h : holding_.hooks) h.anchor.wide = tissue_.embed_patch(h.anchor, tissue_.spec().hook_tip_mm);
 }
 
 }  // namespace limberg

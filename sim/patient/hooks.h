@@ -16,7 +16,6 @@ class Hooks {
   void carry();
 
  private:
-  void widen(Anchor& anchor) const;
   const Tissue& tissue_;
   Holding& holding_;
 };

@@ -127,6 +127,8 @@ PressAnswer PressProbe::ask(const Pressed& p, const PressQuestion& q, int iterat
   solver_->set_displacement_mm(start);
   solver_->set_springs(springs);
   solver_->set_contacts(p.contacts);
+  solver_->set_gravity(p.solver.gravity_m_s2());
+  solver_->set_loads(p.solver.loads());
   StepSettings settings;
   settings.max_iterations = iterations;
   settings.tolerance = 1e-4;  // a stiffness to a few per cent; a hand tells 7 to 10

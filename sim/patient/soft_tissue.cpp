@@ -20,6 +20,8 @@ void TissueChange::append(TissueChange& later) {
 
 SoftTissue::SoftTissue(WorldSpec spec, Workers& workers) : tissue_(std::move(spec), workers) {
   figures_.volume_mm3 = tissue_.initial_volume_mm3();
+  loads_.place();
+  publish_holding();
 }
 
 SoftTissue::~SoftTissue() = default;
@@ -31,7 +33,7 @@ Acted<TissueChange> SoftTissue::act(const Command& command) {
   const auto roll_back = [&] {  // a cut has taken itself back by now
     if (stroke_) stop_stroke("a piece of it failed");
     holding_ = held;
-    publish_springs();
+    publish_holding();
   };
   try {
     return carry_out_act(command);
@@ -57,14 +59,14 @@ Acted<TissueChange> SoftTissue::carry_out_act(const Command& command) {
     if constexpr (is_hook) {
       Acted<TissueChange> made = hooks_.act(c);
       made.ends_redo = made.done && !std::is_same_v<Act, MoveHook>;
-      if (made.done) publish_springs();
+      if (made.done) publish_holding();
       return made;
     } else if constexpr (is_suture) {
       TissueChange change;
       change.before = moment();
       const Outcome o = sutures_.act(c);
       if (!o.done) return o;
-      publish_springs();
+      publish_holding();
       another_act();
       return {o, std::move(change)};
     } else if constexpr (is_cut) {
@@ -111,6 +113,11 @@ Outcome SoftTissue::make_again(TissueChange& change) {
   return {true, {}};
 }
 
+void SoftTissue::publish_holding() {
+  tissue_.solver().set_springs(springs(holding_, tissue_.spec()));
+  tissue_.solver().set_loads(loads(holding_));
+}
+
 TissueMoment SoftTissue::moment() const {
   return {tissue_.version(), tissue_.solver().save(), tissue_.solver().path(), contacts_.memory(), holding_, figures_};
 }
@@ -119,7 +126,7 @@ void SoftTissue::return_to(const TissueMoment& m, ParentList parent) {
   tissue_.return_to(m.version, std::move(parent));
   holding_ = m.holding;
   figures_ = m.figures;
-  publish_springs();
+  publish_holding();
   tissue_.solver().restore(m.solver);
   if (m.path) tissue_.solver().take_up(*m.path);
   contacts_.resume(m.contacts);
@@ -128,7 +135,7 @@ void SoftTissue::return_to(const TissueMoment& m, ParentList parent) {
 // ---- steps ----
 
 StepReport SoftTissue::step(const StepSettings& settings) {
-  if (sutures_.draw_tight()) publish_springs();
+  if (sutures_.draw_tight()) publish_holding();
   StepReport report = contacts_.step(settings);
   report.distance_mm += sutures_.to_draw_mm();  // the hand is not done
   figures_.last = {report.energy_uJ, float(report.residual), float(report.distance_mm)};
@@ -174,6 +181,7 @@ uint64_t SoftTissue::state_hash() const {
     h.bytes(s.slack_mm.data(), 3 * sizeof(double));
   }
   for (const Thread& t : holding_.threads) h.add(t.id), h.add(t.length_mm);
+  for (const PlacedLoad& l : holding_.loads) h.bytes(l.anchor.X_mm.data(), 3 * sizeof(double));
   if (const auto m = solver().memory(); !m.empty()) h.bytes(m.data(), m.size() * sizeof(float));
   return h.value();
 }

@@ -21,6 +21,7 @@
 #include "sim/patient/hooks.h"
 #include "sim/patient/press_probe.h"
 #include "sim/patient/publisher.h"
+#include "sim/patient/skin_loads.h"
 #include "sim/patient/sutures.h"
 #include "sim/patient/tissue_cut.h"
 
@@ -55,7 +56,7 @@ class SoftTissue {
   void stop_stroke(std::string_view why) noexcept;
 
   StepReport step(const StepSettings& settings);
-  /// Takes what holds the tissue elsewhere: every fixed node to where(its place at rest), in mm. Free nodes stay where
+  /// Takes what holds the tissue elsewhere: every held node to where(its place at rest), in mm. Free nodes stay where
   /// they are until the next step. Cuts keep it; undo goes back to how the tissue was held then.
   void hold_at(const std::function<Vec3(const Vec3& X_mm)>& where) { tissue_.hold_at(where); }
   /// Reuses the snapshot's memory. The tension field costs a few ms and is filled only when asked for.
@@ -81,9 +82,9 @@ class SoftTissue {
   int pieces() const { return tissue_.version().lattice->pieces; }  // connected pieces of the lattice
   std::vector<int> stitches_in_one_bank() const { return sutures_.in_one_bank(); }
   ContactCounts contact_counts() const { return contacts_.counts(); }  // what contact has cost so far, counted
-  /// Elastic energy, threads included, above that of the open wound: of the last state at rest (residual 1e-3) that
-  /// neither hook nor stitch held. Nothing as long as there was none, or a hook still pulls. Cutting after it goes into
-  /// the difference.
+  /// Elastic energy, threads included (and weight and loads by what they have done), above that of the open wound: of
+  /// the last state at rest (residual 1e-3) that neither hook nor stitch held. Nothing as long as there was none, or a
+  /// hook still pulls. Cutting after it goes into the difference.
   std::optional<double> closure_energy_uJ() const;
 
  private:
@@ -99,7 +100,8 @@ class SoftTissue {
   /// What follows the cuts of one act: lattice, model and surface anew, anchors carried.
   Acted<TissueChange> finish(TissueCut& cut);
   uint64_t seed() const;  // of the next cut
-  void publish_springs() { tissue_.solver().set_springs(springs(holding_, tissue_.spec())); }
+  /// What holds and loads the tissue, to the solver.
+  void publish_holding();
   TissueMoment moment() const;
   /// `parent`: per node of its model, the node of the present one (-1: none); empty when the model stays.
   void return_to(const TissueMoment& m, ParentList parent);
@@ -109,6 +111,7 @@ class SoftTissue {
   TissueFigures figures_;
   Hooks hooks_{tissue_, holding_};
   Sutures sutures_{tissue_, holding_};
+  SkinLoads loads_{tissue_, holding_};
   ContactDriver contacts_{tissue_};
   mutable Publisher publisher_;
   std::unique_ptr<PressProbe> press_;   // absent until something presses

@@ -7,6 +7,7 @@
 #include "sim/lattice/embedding.h"
 #include "sim/lattice/grid_fit.h"
 #include "sim/lattice/region.h"
+#include "sim/patient/skin_patch.h"
 
 namespace limberg {
 namespace {
@@ -46,6 +47,7 @@ Tissue::Tissue(WorldSpec spec, Workers& workers)
   if (!spec_.can_cut) arrangement_.reset();
   if (arrangement_) arrangement_->set_fault(spec_.fault);
   solver_ = spec_.region_mm > 0 ? make_region_solver(workers) : make_solver(workers);
+  solver_->set_gravity(spec_.gravity_m_s2);
   solver_->set_model(version_.model, {});
 }
 
@@ -90,6 +92,12 @@ EmbeddedPoint Tissue::embed(const SurfacePoint& p) const {
   return embed_point(*version_.lattice, version_.surface->view, p.triangle, {p.bary.x(), p.bary.y(), p.bary.z()});
 }
 
+std::vector<EmbeddedPoint> Tissue::embed_patch(const Anchor& anchor, double radius_mm) const {
+  std::vector<EmbeddedPoint> out;
+  for (const SurfacePoint& p : skin_patch(version_.surface->view, anchor.at, radius_mm)) out.push_back(embed(p));
+  return out;
+}
+
 bool Tissue::carry(Anchor& anchor) const {
   const auto next = carry_anchor(anchor, version_.surface->view, *version_.index);
   if (!next) return false;
@@ -117,8 +125,10 @@ void Tissue::hold_at(const std::function<Vec3(const Vec3&)>& where) {
   std::vector<Vec3f> u(was.begin(), was.end());
   bool other = false;
   for (size_t i = 0; i < u.size(); ++i) {
-    if (!m.fixed[i]) continue;
-    const Vec3f to = (where(m.X_mm[i]) - m.X_mm[i]).cast<float>();
+    if (!m.fixed[i].any()) continue;
+    Vec3f to = (where(m.X_mm[i]) - m.X_mm[i]).cast<float>();
+    for (int a = 0; a < 3; ++a)
+      if (!m.fixed[i].along(a)) to[a] = u[i][a];
     other |= to != u[i];
     u[i] = to;
   }

@@ -47,6 +47,8 @@ class Tissue {
   /// on_rim: on the wound's edge, where one is within kStitchReach_mm.
   std::optional<Anchor> find_anchor(const ChartPoint& p, bool on_rim, std::string& reason) const;
   EmbeddedPoint embed(const SurfacePoint& p) const;
+  /// The places of the patch of skin around it that share what acts there (skin_patch.h).
+  std::vector<EmbeddedPoint> embed_patch(const Anchor& anchor, double radius_mm) const;
   /// The same anchor on the present version; false: its tissue is gone.
   bool carry(Anchor& anchor) const;
   Vec3 position_mm(const EmbeddedPoint& e) const { return solver_->position_mm(e); }
@@ -54,7 +56,7 @@ class Tissue {
   Vec3 held_mm(const Anchor& anchor) const;
   const RimWalk& rim() const;
 
-  /// Every fixed node goes to where(its place at rest); free nodes stay until the next step.
+  /// Every node goes to where(its place at rest) in the components that are held; the rest stays until the next step.
   void hold_at(const std::function<Vec3(const Vec3& X_mm)>& where);
   /// Goes back or forth to a version that was there. `parent`: per node of its model, the node of the present one (-1:
   /// none).

@@ -27,11 +27,12 @@ struct TissueVersion {
   uint64_t arrangement_hash = 0;
 };
 
-/// What holds the tissue from outside.
+/// What holds and loads the tissue from outside.
 struct Holding {
   std::vector<Hook> hooks;
   std::vector<Stitch> stitches;  // threads' spans together, in their order
   std::vector<Thread> threads;
+  std::vector<PlacedLoad> loads;  // of the scene
   int32_t next_spring = 1, next_stitch = 1, next_thread = 1;
 };
 
@@ -91,9 +92,14 @@ void fields(const Thread& t, V&& v) {
   v(id, length_mm, slack_mm, corner, closing);
 }
 template <class V>
+void fields(const PlacedLoad& l, V&& v) {
+  const auto& [anchor, force_N, radius_mm] = l;
+  v(anchor, force_N, radius_mm);
+}
+template <class V>
 void fields(const Holding& k, V&& v) {
-  const auto& [hooks, stitches, threads, next_spring, next_stitch, next_thread] = k;
-  v(hooks, stitches, threads, next_spring, next_stitch, next_thread);
+  const auto& [hooks, stitches, threads, loads, next_spring, next_stitch, next_thread] = k;
+  v(hooks, stitches, threads, loads, next_spring, next_stitch, next_thread);
 }
 template <class V>
 void fields(const LastStep& s, V&& v) {

@@ -24,6 +24,14 @@ struct FineZone {
   bool operator==(const FineZone&) const = default;
 };
 
+/// A force on a patch of skin, that keeps size and direction: a weight that lies there, a strap that pulls.
+struct SkinLoad {
+  ChartPoint at{0, 0};
+  Vec3 force_N = Vec3::Zero();
+  double radius_mm = 2;  // of the patch, seven places of which share the force (skin_patch.h); 0: a point
+  bool operator==(const SkinLoad&) const = default;
+};
+
 struct WorldSpec {
   std::shared_ptr<const Body> body;
   double cell_mm = 3.5;
@@ -44,6 +52,9 @@ struct WorldSpec {
   int wound_level = 0;         // so often cells are divided that a blade goes through, and their neighbours
   bool dynamic = false;        // false: quasi-static
   ContactChoice contact = ContactChoice::off;  // do wound surfaces keep each other out? (contact/contact_finder.h)
+  // Zero: the tissue has no weight. The body as given is its shape without weight and loads, which sags from there.
+  Vec3 gravity_m_s2 = Vec3::Zero();
+  std::vector<SkinLoad> loads;
   uint64_t seed = 1;
   FaultPlan* fault = nullptr;  // tests only: lets steps of a cut fail (cutting/arrangement/fault.h)
 };

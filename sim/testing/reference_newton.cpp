@@ -64,6 +64,7 @@ struct ReferenceElasticity::Impl {
   const FemModel& m;
   std::vector<Spring> springs;
   std::vector<ContactRow> contacts;
+  std::vector<Vec3> weight;  // and loads, mN per node; empty: none
   fem::ReferenceCells cells;
 
   // Pattern of the 3n matrix: lower triangle, free nodes, scalar rows expanded.
@@ -150,10 +151,15 @@ struct ReferenceElasticity::Impl {
           if (scale) size[size_t(n)] += push.force * std::fabs(w);
         }
     }
+    for (size_t i = 0; i < weight.size(); ++i) {
+      energy -= weight[i].dot(u[i]);
+      if (g) (*g)[i] -= weight[i];
+      if (scale) size[i] += weight[i].norm();
+    }
     if (scale) {
       double sum = 0;
       for (size_t i = 0; i < size.size(); ++i)
-        if (!m.fixed[i]) sum += size[i] * size[i];
+        if (!m.fixed[i].all()) sum += size[i] * size[i];
       *scale = std::sqrt(sum);
     }
     return energy;
@@ -168,7 +174,7 @@ struct ReferenceElasticity::Impl {
     for (const ContactRow& c : contacts) {
       fem::SpringRow r;
       for (const auto& [n, w] : c.share)
-        if (!m.fixed[size_t(n)]) r.node.push_back(n), r.w.push_back(w);
+        if (!m.fixed[size_t(n)].all()) r.node.push_back(n), r.w.push_back(w);
       r.k_mN_per_mm = c.k;
       coupled.push_back(r);
     }
@@ -255,6 +261,21 @@ struct ReferenceElasticity::Impl {
     return size_t(k == 0 ? column + r - d : column + (3 - d) + 3 * (k - 1) + r);
   }
 
+  /// A component that is held alone becomes an equation of its own: rows and columns zero, one on the diagonal.
+  void hold_axes(std::vector<double>& value) const {
+    const auto held = [&](int32_t unknown) {
+      return m.fixed[size_t(graph.node_of_row[size_t(unknown / 3)])].along(unknown % 3);
+    };
+    for (int32_t column = 0; column < 3 * graph.n(); ++column)
+      for (int32_t e = begin[size_t(column)]; e < begin[size_t(column) + 1]; ++e)
+        if (held(column) || held(row[size_t(e)])) value[size_t(e)] = row[size_t(e)] == column ? 1 : 0;
+  }
+  void drop_held(std::vector<Vec3>& g) const {
+    for (size_t i = 0; i < g.size(); ++i)
+      for (int k = 0; k < 3; ++k)
+        if (m.fixed[i].along(k)) g[i][k] = 0;
+  }
+
   /// Newton direction from the Hessian at u; false if it is not positive definite.
   bool direction(std::span<const Vec3> u, std::span<const Vec3> g, bool project, std::vector<Vec3>& d) const {
     std::vector<double> value(row.size(), 0);
@@ -283,6 +304,7 @@ struct ReferenceElasticity::Impl {
             value[place(j, e, r, k)] += kw * pressed.normal[r] * pressed.normal[k];
       }
     }
+    hold_axes(value);
     cholmod_sparse S = matrix(value.data());
     cholmod_factor* L = cholmod_copy_factor(symbolic, &common);
     common.status = CHOLMOD_OK;
@@ -307,11 +329,20 @@ struct ReferenceElasticity::Impl {
 };
 
 ReferenceElasticity::ReferenceElasticity(const FemModel& model, std::span<const Spring> springs,
-                                         std::span<const Contact> contacts)
+                                         std::span<const Contact> contacts, const Vec3& gravity_m_s2,
+                                         std::span<const DeadLoad> loads)
     : impl_(std::make_unique<Impl>(model)) {
   Impl& p = *impl_;
   p.springs.assign(springs.begin(), springs.end());
   p.contacts.assign(contacts.begin(), contacts.end());
+  if (!gravity_m_s2.isZero(0) || !loads.empty()) {
+    for (size_t i = 0; i < model.X_mm.size(); ++i) p.weight.push_back(1000 * model.mass_kg[i] * gravity_m_s2);
+    for (const DeadLoad& l : loads)
+      for (const EmbeddedPoint& at : l.at) {
+        const double sum = std::accumulate(at.w.begin(), at.w.end(), 0.0) * double(l.at.size());
+        for (size_t i = 0; i < 8; ++i) p.weight[size_t(at.node[i])] += double(at.w[i]) / sum * l.force_mN;
+      }
+  }
   if (const std::vector<int32_t> hangs = fem::hanging_index(model); !hangs.empty())
     for (auto& c : p.contacts) c.give_to_masters(model, hangs);
 }
@@ -361,9 +392,9 @@ ReferenceElasticity::Result ReferenceElasticity::solve(std::span<const Vec3> sta
   for (;;) {
     r.energy_uJ = p.evaluate(r.u, &g, &scale);
     p.give_to_masters(g);
+    p.drop_held(g);
     double norm = 0;
-    for (size_t i = 0; i < g.size(); ++i)
-      if (!p.m.fixed[i]) norm += g[i].squaredNorm();
+    for (const Vec3& f : g) norm += f.squaredNorm();
     norm = std::sqrt(norm);
     r.residual = scale > 0 ? norm / scale : 0;
     r.converged = r.residual <= settings.tolerance;

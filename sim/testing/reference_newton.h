@@ -16,12 +16,15 @@ namespace limberg {
 
 class ReferenceElasticity {
  public:
-  ReferenceElasticity(const FemModel& model, std::span<const Spring> springs, std::span<const Contact> contacts = {});
+  /// Weight and loads as the solver's (dead_loads.h), except that a piece that nothing holds keeps them.
+  ReferenceElasticity(const FemModel& model, std::span<const Spring> springs, std::span<const Contact> contacts = {},
+                      const Vec3& gravity_m_s2 = Vec3::Zero(), std::span<const DeadLoad> loads = {});
   ~ReferenceElasticity();
   ReferenceElasticity(const ReferenceElasticity&) = delete;
   ReferenceElasticity& operator=(const ReferenceElasticity&) = delete;
 
-  /// uJ, as defined in fem_model.h, springs and contacts included; relative to the undeformed state of the cells.
+  /// uJ, as defined in fem_model.h, springs, contacts and what loads have done included; relative to the undeformed
+  /// state of the cells.
   double energy(std::span<const Vec3> u) const;
   /// mN at every node, fixed ones included; hanging ones keep theirs.
   double gradient(std::span<const Vec3> u, std::vector<Vec3>& g) const;

@@ -149,6 +149,19 @@ TEST(Scene, EveryMistakeIsNamedWithItsLine) {
            "fine = [\n{at_mm = [0, 0], radius_mm = 3, cell_mm = 1},\n{at_mm = [1, 0], radius_mm = 3, cell_mm = 4}]\n",
        14, "lattice.fine 2.cell_mm is 4; expected 0.25 to 2 mm"},
       {kGood + "fine = [{at_mm = [0, 0], to_mm = [999, 0], radius_mm = 900, cell_mm = 0.25}]\n", 12, "2 million cells"},
+      {with("size_mm", "sliding_sides = \"-x\""), 4, "body.sliding_sides is no list"},
+      {with("size_mm", "sliding_sides = [\"+z\"]"), 4, "a side that a block does not have; expected a list of \"-x\""},
+      {with("size_mm", "free_sides = [3]"), 4, "a side that a block does not have"},
+      {with("size_mm", "sliding_sides = [\"-x\"]\nfree_sides = [\"-x\"]"), 5, "-x, which is named before"},
+      {with("size_mm", "free_sides = [\"-x\", \"+x\", \"-y\", \"+y\", \"-z\"]"), 4, "names every side"},
+      {kGood + "[loads]\ngravity_m_s2 = 9.81\n", 13, "three numbers"},
+      {kGood + "[loads]\ngravity_m_s2 = [0, 0, 1e3]\n", 13, "at most 100"},
+      {kGood + "[loads]\ngravity = [0, 0, 1]\n", 13, "unknown key \"gravity\" in [loads]; expected gravity_m_s2"},
+      {kGood + "[loads]\npatches = 1\n", 13, "loads.patches is no list"},
+      {kGood + "[loads]\npatches = [1]\n", 13, "loads.patches 1 is no table"},
+      {kGood + "[loads]\npatches = [{at_mm = [0, 0]}]\n", 13, "force_N is missing"},
+      {kGood + "[loads]\npatches = [{at_mm = [0, 0], force_N = [0, 0, nan]}]\n", 13, "finite numbers"},
+      {kGood + "[loads]\npatches = [{at_mm = [0, 0], force_N = [0, 0, 1], radius_mm = 30}]\n", 13, "from 0 to 20"},
       {kGood + "[solver]\niterations_per_step = 1.5\n", 13, "not an integer"},
       {kGood + "[solver]\nseed = -1\n", 13, "from 0"},
       {kGood + "[build]\ncan_cut = 1\n", 13, "neither true nor false"},
@@ -201,6 +214,46 @@ fine = [
   std::string many = "fine = [";
   for (int i = 0; i < 40; ++i) many += "{at_mm = [0, 0], radius_mm = 1, cell_mm = 1},";
   EXPECT_THROW(parse_scene(kGood + many + "]\n", "s"), InputError);
+}
+
+TEST(Scene, LoadsAndSides) {
+  const Scene s = parse_scene(
+      with("size_mm", "size_mm = [30, 20, 8]\nsliding_sides = [\"-x\", \"-z\"]\nfree_sides = [\"+y\"]") + R"(
+[loads]
+gravity_m_s2 = [0, -9.81, 0]
+patches = [
+  {at_mm = [3, 4], force_N = [0, 0, -0.5], radius_mm = 5},
+  {at_mm = [-3, 4], force_N = [1, 0, 0]},
+]
+)",
+      "s.toml");
+  const auto body = build_body(s);
+  EXPECT_EQ(body->sliding_sides, 0b10001);
+  size_t open = 0, held = 0;
+  for (size_t t = 0; t < body->surface.tri.size(); ++t) {
+    bool high_y = true;
+    for (int32_t v : body->surface.tri[t]) high_y = high_y && body->surface.X_mm[size_t(v)].y() == 10;
+    open += body->surface.tag[t] == SurfaceTag::free, held += body->surface.tag[t] == SurfaceTag::fixed;
+    if (high_y) {
+      EXPECT_EQ(body->surface.tag[t], SurfaceTag::free);
+    }
+  }
+  EXPECT_GT(open, 10u);
+  EXPECT_GT(held, 3 * open);
+  const WorldSpec w = world_spec(s, body);
+  EXPECT_EQ(w.gravity_m_s2, Vec3(0, -9.81, 0));
+  ASSERT_EQ(w.loads.size(), 2u);
+  EXPECT_TRUE((w.loads[0] == SkinLoad{{3, 4}, {0, 0, -0.5}, 5}));
+  EXPECT_TRUE((w.loads[1] == SkinLoad{{-3, 4}, {1, 0, 0}, 2}));
+  const WorldSpec plain = world_spec(parse_scene(kGood, "s.toml"), build_body(parse_scene(kGood, "s.toml")));
+  EXPECT_TRUE(plain.gravity_m_s2.isZero(0) && plain.loads.empty() && plain.body->sliding_sides == 0);
+  try {
+    build_body(parse_scene(kGood + "[loads]\npatches = [\n  {at_mm = [16, 0], force_N = [0, 0, 1]}]\n", "s"));
+    ADD_FAILURE() << "off the skin";
+  } catch (const InputError& e) {
+    EXPECT_EQ(e.line(), 14) << e.what();
+    EXPECT_NE(std::string(e.what()).find("loads.patches 1 is at [16, 0], off the skin"), std::string::npos) << e.what();
+  }
 }
 
 TEST(Scene, FilesThatAreNoScenes) {

@@ -35,7 +35,7 @@ class Run {
 
 std::string nodes_of(const FemModel& m) {
   size_t free = 0;
-  for (uint8_t f : m.fixed) free += !f;
+  for (Held h : m.fixed) free += !h.all();
   return fmt::format("{} nodes, {} free", m.X_mm.size(), free);
 }
 

@@ -124,7 +124,7 @@ RegionAnswer pulled(const std::shared_ptr<const FemModel>& model, bool region, c
   a.force_N = solver->spring_force_mN(hook.id).norm() * 1e-3, a.iteration_ms = times.best();
   size_t free = 0;
   const FemModel& m = region ? static_cast<const fem::RegionSolver&>(*solver).present() : solver->model();
-  for (uint8_t f : m.fixed) free += !f;
+  for (Held h : m.fixed) free += !h.all();
   a.size = std::to_string(free) + " free nodes";
   return a;
 }

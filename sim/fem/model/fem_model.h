@@ -36,6 +36,7 @@
 #include "sim/base/parent_list.h"
 #include "sim/base/shared_array.h"
 #include "sim/fem/materials/law.h"
+#include "sim/fem/model/held.h"
 #include "sim/geometry/vec.h"
 
 namespace limberg {
@@ -154,7 +155,7 @@ struct BornNode {
 struct FemModel {
   Vec3 cell_mm = Vec3::Ones();  // of an undivided cell (level 0)
   SharedArray<Vec3> X_mm;       // rest positions of node copies
-  SharedArray<uint8_t> fixed;   // per node, 1 = Dirichlet (stays at X)
+  SharedArray<Held> fixed;      // per node: what of it is Dirichlet (stays at X)
   SharedArray<double> mass_kg;  // per node, lumped, exact fractions (no floor)
   SharedArray<HexCell> cells;
   SharedArray<Stencil> stencils;
@@ -192,6 +193,13 @@ struct Spring {
   // ReferenceElasticity knows none.
   int32_t thread = 0;
   double thread_mm = 0;
+};
+
+/// A dead force on the tissue: it keeps size and direction, whatever moves. Its places share it evenly (a point load
+/// has no limit as cells get smaller).
+struct DeadLoad {
+  std::vector<EmbeddedPoint> at;  // one at least
+  Vec3 force_mN = Vec3::Zero();
 };
 
 /// A one-sided spring between two places of the tissue that must not pass through each other. With the overlap

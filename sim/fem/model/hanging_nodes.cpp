@@ -54,7 +54,7 @@ std::string check_hanging(const FemModel& m) {
     }
     if (std::fabs(sum - 1) > 1e-6f) return name + "its weights do not sum to 1";
     if ((X - m.X_mm[size_t(h.node)]).norm() > 1e-6 * m.cell_mm.norm()) return name + "its masters do not surround it";
-    if (m.fixed[size_t(h.node)]) return name + "it is fixed; only its masters may be";
+    if (m.fixed[size_t(h.node)].any()) return name + "it is fixed; only its masters may be";
   }
   return {};
 }

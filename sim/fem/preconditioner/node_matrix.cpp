@@ -127,7 +127,7 @@ std::vector<uint8_t> free_nodes(const FemModel& m) {
     for (int k = 0; k < h.count; ++k) free[size_t(h.master[size_t(k)])] = 1;
   }
   for (size_t v = 0; v < free.size(); ++v)
-    if (m.fixed[v]) free[v] = 0;
+    if (m.fixed[v].all()) free[v] = 0;
   return free;
 }
 

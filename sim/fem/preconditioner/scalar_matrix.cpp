@@ -69,8 +69,8 @@ SpringRow spring_row(const FemModel& model, const Spring& s) {
       rest += v * model.X_mm[size_t(node)];
       if (const HangingNode* h = hanging_at(model, node)) {
         for (size_t k = 0; k < size_t(h->count); ++k)
-          if (!model.fixed[size_t(h->master[k])]) w[h->master[k]] += sign * v * double(h->weight[k]);
-      } else if (!model.fixed[size_t(node)]) {
+          if (!model.fixed[size_t(h->master[k])].all()) w[h->master[k]] += sign * v * double(h->weight[k]);
+      } else if (!model.fixed[size_t(node)].all()) {
         w[node] += sign * v;
       }
     });
@@ -124,7 +124,7 @@ ScalarMatrix assemble_scalar(const FemModel& m, std::span<const SpringRow> sprin
     SpringRow r;
     r.k_mN_per_mm = mass_per_s2 * m.mass_kg[size_t(h.node)];
     for (size_t k = 0; k < size_t(h.count); ++k)
-      if (!m.fixed[size_t(h.master[k])]) r.node.push_back(h.master[k]), r.w.push_back(double(h.weight[k]));
+      if (!m.fixed[size_t(h.master[k])].all()) r.node.push_back(h.master[k]), r.w.push_back(double(h.weight[k]));
     masses.push_back(std::move(r));
   }
   auto row_of = [&](int32_t s) -> const SpringRow& {
@@ -138,7 +138,7 @@ ScalarMatrix assemble_scalar(const FemModel& m, std::span<const SpringRow> sprin
   ScalarMatrix A;
   A.row_of_node.assign(n, -1);
   for (size_t v = 0; v < n; ++v)
-    if (!m.fixed[v] && (begin[v] < begin[v + 1] || (!hangs.empty() && !node_wide[v].empty())))
+    if (!m.fixed[v].all() && (begin[v] < begin[v + 1] || (!hangs.empty() && !node_wide[v].empty())))
       A.row_of_node[v] = A.n(), A.node_of_row.push_back(int32_t(v));
 
   std::vector<int32_t> place(size_t(A.n()), -1);

@@ -3,7 +3,8 @@
 //
 //   A_ij = sum_cells scale * ( K_ab + ke V B_a . B_b )  +  sum_springs k w_i w_j  +  mass terms on the diagonal
 //
-// over the free nodes. K is the exact Hessian of the quadratic part of the energy; the second term stands for the
+// over the free nodes: those that are not held whole. Where nodes slide, component_metric.h gives each component a
+// model in which none does. K is the exact Hessian of the quadratic part of the energy; the second term stands for the
 // volumetric part (ke is small thanks to the multipliers). Always symmetric positive definite.
 //
 // Hanging nodes are no rows: what is assembled is P^T A P (fem_model.h), cell by

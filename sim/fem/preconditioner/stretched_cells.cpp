@@ -54,7 +54,7 @@ bool StretchedCells::follow(const FemModel& m, const NodeArray& u, bool augmente
     std::map<int32_t, double> weight;
     for (int a = 0; a < 8; ++a)
       masters.each(cell.node[size_t(a)], [&](int32_t v, double w) {
-        if (!m.fixed[size_t(v)]) weight[v] += w * B.row(a).dot(d.N);
+        if (!m.fixed[size_t(v)].all()) weight[v] += w * B.row(a).dot(d.N);
       });
     SpringRow& row = rows_.emplace_back();
     row.id = next_id_--, row.k_mN_per_mm = d.lacking;

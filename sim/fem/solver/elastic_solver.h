@@ -46,7 +46,7 @@ struct StepReport {
   // estimated distance to equilibrium of the node that is farthest off (distance_estimate.h): of two hundred frames one
   // is more than three times farther off; at the median a quarter of what is stated is left
   double distance_mm = 0;
-  double energy_uJ = 0;
+  double energy_uJ = 0;    // with loads, what they have done is taken off: - sum of force . displacement
   bool converged = false;  // residual <= tolerance
   bool stalled = false;    // given up before max_iterations: more of them gain nothing (stall_watch.h); not converged
   bool at_floor = false;   // stalled, and why: the residual is what the last bits of single precision make of it
@@ -67,6 +67,13 @@ struct SolverState {
   double before_s = 0;
   std::vector<float> memory;  // of layers that relax (viscous_points.h)
   bool operator==(const SolverState&) const = default;
+};
+
+/// What a held node receives from the material, from springs and contacts that hang on it, and from its own weight and
+/// loads: its support gives the opposite. Zero along axes that are not held.
+struct SupportForce {
+  int32_t node = -1;
+  Vec3 force_mN = Vec3::Zero();
 };
 
 /// By which way a solver goes on from a state: what its metric was made from and has learned. Some numbers per node.
@@ -90,6 +97,19 @@ class ElasticSolver {
   /// The whole list of contacts; an empty list costs nothing. They hold until the next list or the next model.
   virtual void set_contacts(std::span<const Contact> contacts) = 0;
 
+  /// Weight, in m/s^2 along the axes of the model: every node is drawn with its FemModel::mass_kg times this. Zero, as
+  /// at first, costs nothing. It stays through set_model, with the masses of the new model. The shape X_mm is the one
+  /// without load: the tissue sags from it. In a quasi-static step a piece that neither a held component nor a spring
+  /// holds along an axis has no weight and no load along it: there is no place where it would rest. In a dynamic step
+  /// it falls. InputError: not finite.
+  virtual void set_gravity(const Vec3& m_s2) = 0;
+  virtual Vec3 gravity_m_s2() const = 0;
+
+  /// The whole list of loads. They name nodes of the current model: give them again after set_model, which drops them.
+  /// InputError: a load without a place, of another model, or not finite.
+  virtual void set_loads(std::span<const DeadLoad> loads) = 0;
+  virtual std::span<const DeadLoad> loads() const = 0;
+
   virtual StepReport step(const StepSettings& settings) = 0;
 
   virtual std::span<const Vec3f> displacement_mm() const = 0;      // per node: x - X
@@ -111,9 +131,13 @@ class ElasticSolver {
   /// Force in mN of the i-th contact of the list, along its normal; never negative.
   virtual double contact_force_mN(size_t i) const = 0;
   virtual size_t contacts() const = 0;  // length of the list
-  /// Sum of the forces in mN that the Dirichlet nodes receive from the material and from springs that hang on them
-  /// (their supports give the opposite).
-  virtual Vec3 support_force_mN() const = 0;
+  /// Of every node that is held, ascending. At rest sum f_support = sum of hooks' forces + load_force_mN().
+  virtual std::vector<SupportForce> support_forces_mN() const = 0;
+  /// Their sum.
+  Vec3 support_force_mN() const;
+  /// Sum of weight and loads as they act in a step of the kind made last (at first: quasi-static), those of held nodes
+  /// included.
+  virtual Vec3 load_force_mN() const = 0;
   /// J = det F of each cell, where its volume is sampled (fem_model.h:
   /// the centre, unless layers of one side only share it).
   virtual void cell_J(std::vector<float>& J) const = 0;

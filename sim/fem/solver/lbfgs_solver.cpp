@@ -69,8 +69,12 @@ LbfgsSolver::Value LbfgsSolver::evaluate(const NodeArray& u, NodeArray& g, bool 
     }
     v.energy += e, v.noise += float_noise * e;
   }
+  if (!loads_.empty()) {
+    double size = 0;
+    v.energy += loads_.add(u, g, measure, size), v.noise += float_noise * size;
+  }
   give_to_masters(model_->hanging, g);
-  for (int32_t i : fixed_) g[size_t(i)] = Node4{};
+  drop_held(g);
   if (measure) {
     double sum = force_floor_ * force_floor_;
     for (Node4& n : g) sum += double(n.w) * double(n.w), n.w = 0;
@@ -85,6 +89,7 @@ double LbfgsSolver::relative_residual() const {
 }
 
 void LbfgsSolver::prepare_dynamics(const StepSettings& s) {
+  loads_.dynamic(s.dt_s > 0);
   if (!(s.dt_s > 0)) {
     inertia_.clear();
     return;
@@ -98,6 +103,7 @@ void LbfgsSolver::prepare_dynamics(const StepSettings& s) {
   inertia_.resize(n);
   u_base_ = u_;
   const float ahead = float(h_s_ * a / (a + c));
+  fall_mm_ = 1000 / (a + c) * gravity_m_s2_;
   constexpr float third = 1.0f / 3;
   for (size_t i = 0; i < n; ++i) {
     v4 v = load(velocity_[i]);
@@ -114,7 +120,11 @@ void LbfgsSolver::prepare_dynamics(const StepSettings& s) {
 // the tissue resists, the old place may be the better start.
 void LbfgsSolver::start_where_inertia_leads(Value& value) {
   u_try_ = inertia_target_;
-  for (int32_t i : fixed_) u_try_[size_t(i)] = u_[size_t(i)];
+  if (!fall_mm_.isZero(0)) {
+    const v4 fall = {float(fall_mm_[0]), float(fall_mm_[1]), float(fall_mm_[2]), 0};
+    for (Node4& x : u_try_) store(x, load(x) + fall);
+  }
+  put_held(u_try_, u_);
   follow_masters(model_->hanging, u_try_);
   const Value ahead = evaluate(u_try_, g_try_, true);
   if (ahead.finite() && engine_.all_finite(g_try_) && ahead.energy < value.energy) {
@@ -167,10 +177,11 @@ bool LbfgsSolver::every_piece_is_held() const {
   UnionFind pieces(model_->X_mm.size());
   for (const HexCell& c : model_->cells)
     for (int32_t v : c.node) pieces.unite(v, c.node[0]);
-  std::vector<uint8_t> held(pieces.size(), 0);
-  for (int32_t v : fixed_) held[size_t(pieces.find(v))] = 1;
+  std::vector<Held> held(pieces.size());
+  for (const std::vector<int32_t>* list : {&fixed_, &sliding_})
+    for (int32_t v : *list) held[size_t(pieces.find(v))] |= model_->fixed[size_t(v)];
   return std::all_of(model_->cells.begin(), model_->cells.end(),
-                     [&](const HexCell& c) { return held[size_t(pieces.find(c.node[0]))]; });
+                     [&](const HexCell& c) { return held[size_t(pieces.find(c.node[0]))].all(); });
 }
 
 void LbfgsSolver::begin_or_end_untangling(Value& value, bool dynamic) {

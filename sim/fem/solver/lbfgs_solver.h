@@ -1,17 +1,18 @@
 #pragma once
 // The elasticity solver: how the parts of this folder work together in one step.
 //
-//   u     displacement of all nodes, float, 16 bytes each; fixed
-//         nodes keep theirs (zero, or what set_displacement gave)
+//   u     displacement of all nodes, float, 16 bytes each; held components
+//         keep theirs (zero, or what set_displacement gave), and g is zero there
 //   E(u)  cells (ElementSystem) + springs (SpringForces) + contacts
-//         (ContactForces) + in a dynamic step the incremental potential
+//         (ContactForces) + weight and loads (DeadLoads) + in a dynamic step the incremental potential
 //         sum_i a_i/2 |u_i - t_i|^2,  a = m (1/h^2 + c/h),  t = ((U + h V)/h^2 + c U/h) / (1/h^2 + c/h)
 //         backward Euler: h = dt, U = u0, V = v0.  BDF2: h = 2/3 dt, U = (4 u0 - u_before)/3, V = (4 v0 - v_before)/3.
 //         In both the new velocity is (u - U)/h. (BDF2: Hairer &
 //         Wanner, Solving Ordinary Differential Equations II, V.1.)
 //   d     = -H g, H: L-BFGS over a scalar matrix, factored or by a multilevel cycle
-//         (Preconditioner); Armijo line search; when the change of energy is below the noise of
-//         single precision, the slope decides instead (Hager & Zhang 2005, "approximate Wolfe")
+//         (Preconditioner; ComponentMetric where nodes are held along some axes);
+//         Armijo line search; when the change of energy is below the noise of single precision,
+//         the slope decides instead (Hager & Zhang 2005, "approximate Wolfe")
 //         where cells are drawn out many times H gets what it lacks there (stretched_cells.h)
 //   P     hanging nodes, if any, follow their masters: u is spread to them
 //         after every move, evaluate() hands their forces on, so g is zero
@@ -42,8 +43,9 @@
 #include "sim/fem/elements/material_points.h"
 #include "sim/fem/elements/viscous_points.h"
 #include "sim/fem/forces/contact_forces.h"
+#include "sim/fem/forces/dead_loads.h"
 #include "sim/fem/forces/spring_forces.h"
-#include "sim/fem/preconditioner/preconditioner.h"
+#include "sim/fem/preconditioner/component_metric.h"
 #include "sim/fem/preconditioner/stretched_cells.h"
 #include "sim/fem/solver/distance_estimate.h"
 #include "sim/fem/solver/elastic_solver.h"
@@ -71,6 +73,10 @@ class LbfgsSolver final : public ElasticSolver {
   void set_model(std::shared_ptr<const FemModel> model, const ParentList& cell_parent) override;
   void set_springs(std::span<const Spring> springs) override;
   void set_contacts(std::span<const Contact> contacts) override;
+  void set_gravity(const Vec3& m_s2) override;
+  Vec3 gravity_m_s2() const override { return gravity_m_s2_; }
+  void set_loads(std::span<const DeadLoad> loads) override;
+  std::span<const DeadLoad> loads() const override { return load_list_; }
   StepReport step(const StepSettings& settings) override;
 
   std::span<const Vec3f> displacement_mm() const override { return shown_; }
@@ -83,12 +89,13 @@ class LbfgsSolver final : public ElasticSolver {
   Vec3 spring_force_mN(int32_t id) const override;
   double contact_force_mN(size_t i) const override;
   size_t contacts() const override { return contacts_.size(); }
-  Vec3 support_force_mN() const override;
+  std::vector<SupportForce> support_forces_mN() const override;
+  Vec3 load_force_mN() const override { return loads_.sum_mN(); }
   void cell_J(std::vector<float>& J) const override;
   Mat3 cell_F(int32_t cell) const override;
   std::string describe() const override;
   const FemModel& model() const override { return *model_; }
-  const Preconditioner& metric() const { return metric_; }
+  const Preconditioner& metric() const { return metric_.first(); }
 
  private:
   struct Value {
@@ -113,16 +120,20 @@ class LbfgsSolver final : public ElasticSolver {
   void begin_or_end_untangling(Value& value, bool dynamic);
   bool every_piece_is_held() const;
   void give_metric_springs();
+  void make_loads();
+  void drop_held(NodeArray& a) const { put_held(a, {}); }
+  void put_held(NodeArray& a, const NodeArray& from) const;  // held components, zero from an empty array
   void publish();
   int pairs() const;  // of the history
 
   Engine engine_;
   bool augmented_;
   MinimiserPolicy own_;
-  Preconditioner metric_;
+  ComponentMetric metric_;
   std::shared_ptr<const FemModel> model_;
   std::unique_ptr<ElementSystem> elements_;
-  std::vector<int32_t> fixed_;
+  std::vector<int32_t> fixed_;       // nodes that are held whole
+  std::vector<int32_t> sliding_;     // nodes that are held along some axes
   std::vector<int32_t> of_slivers_;  // nodes of nearly empty cells only
   std::vector<Spring> springs_;
   SpringForces forces_;
@@ -130,6 +141,9 @@ class LbfgsSolver final : public ElasticSolver {
   StretchedCells stretched_;
   int lagging_iterations_ = 0;  // with a large residual, since a hook moved or cells were looked at
   ContactForces contacts_;
+  Vec3 gravity_m_s2_ = Vec3::Zero();
+  std::vector<DeadLoad> load_list_;
+  DeadLoads loads_;  // of both
   MaterialPoints points_;
   ViscousPoints viscous_;
   LbfgsHistory history_;
@@ -145,6 +159,7 @@ class LbfgsSolver final : public ElasticSolver {
   NodeArray u_before_, velocity_before_;  // one step earlier, for BDF2
   double before_s_ = 0;                   // how much earlier; 0: no such step
   double h_s_ = 0;                        // of the step being made
+  Vec3 fall_mm_ = Vec3::Zero();           // what weight adds to the target in free flight, g / (1/h^2 + c/h)
   std::vector<float> inertia_;            // per node, mN/mm; empty in a quasi-static step
   double force_scale_ = 0;                // sqrt(sum_nodes (sum of force magnitudes)^2), of the last measuring evaluate
   std::vector<std::array<double, 2>> floor_weight_;  // per stencil: shear modulus in kPa, area of a cell's side in mm2

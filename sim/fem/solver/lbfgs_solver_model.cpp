@@ -65,12 +65,11 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, const ParentL
       floor_weight_.push_back({st.mu_kPa, elementary::pow(st.volume_mm3, 2.0 / 3)});
   }
   model_ = std::move(model);
-  fixed_.clear();
+  fixed_.clear(), sliding_.clear();
   for (size_t i = 0; i < n; ++i)
-    if (model_->fixed[i]) {
-      fixed_.push_back(int32_t(i)), velocity_[i] = {};
-      if (before_s_ > 0) u_before_[i] = u_[i], velocity_before_[i] = {};
-    }
+    if (const Held h = model_->fixed[i]; h.any()) (h.all() ? fixed_ : sliding_).push_back(int32_t(i));
+  drop_held(velocity_);
+  if (before_s_ > 0) put_held(u_before_, u_), drop_held(velocity_before_);
   std::vector<double> floor(n, 0);
   std::vector<float> fullest(n, 0);
   const SharedArray<HexCell>& present = model_->cells;
@@ -83,7 +82,7 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, const ParentL
     }
   force_floor_ = 0;
   for (size_t i = 0; i < n; ++i)
-    if (!model_->fixed[i]) force_floor_ += floor[i] * floor[i];
+    if (!model_->fixed[i].all()) force_floor_ += floor[i] * floor[i];
   force_floor_ = std::sqrt(force_floor_);
   of_slivers_.clear();
   for (size_t i = 0; i < n; ++i)
@@ -94,6 +93,8 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, const ParentL
   stretched_.clear(), lagging_iterations_ = 0;
   forces_ = SpringForces();
   contacts_ = ContactForces();
+  load_list_.clear();
+  make_loads();
   metric_.set_model(model_, cell_parent);
   force_scale_ = 0, since_update_ = 0;
   tangled_iterations_ = 0, untangling_ = false;
@@ -140,6 +141,7 @@ void LbfgsSolver::set_springs(std::span<const Spring> springs) {
   forces_ = SpringForces(*model_, springs_);
   if (same) return;
   history_.clear();
+  make_loads();  // a piece may be held that was loose, or the other way round
   spring_rows_.clear();
   for (const Spring& s : springs_) spring_rows_.push_back({spring_row(*model_, s), !s.to_world});
   give_metric_springs();
@@ -148,7 +150,47 @@ void LbfgsSolver::set_springs(std::span<const Spring> springs) {
 void LbfgsSolver::give_metric_springs() {
   std::vector<Preconditioner::SpringEntry> rows = spring_rows_;
   for (const SpringRow& r : stretched_.rows()) rows.push_back({r});
-  metric_.set_springs(std::move(rows));
+  metric_.set_springs(rows);
+}
+
+void LbfgsSolver::set_gravity(const Vec3& m_s2) {
+  if (!m_s2.allFinite())
+    throw InputError("", 0, "gravity is not a number; three finite numbers in m/s^2 were expected");
+  if (m_s2 == gravity_m_s2_) return;
+  gravity_m_s2_ = m_s2;
+  lagging_iterations_ = 0;
+  make_loads();
+}
+
+void LbfgsSolver::set_loads(std::span<const DeadLoad> loads) {
+  if (loads.empty() && load_list_.empty()) return;
+  if (!model_) throw InputError("", 0, "loads were given before a model");
+  const int32_t n = int32_t(model_->X_mm.size());
+  for (size_t k = 0; k < loads.size(); ++k) {
+    const std::string name = "load " + std::to_string(k + 1);
+    if (loads[k].at.empty() || !loads[k].force_mN.allFinite())
+      throw InputError("", 0, name + " has no place or no finite force; both were expected");
+    for (const EmbeddedPoint& p : loads[k].at)
+      for (int32_t v : p.node)
+        if (v < 0 || v >= n) throw InputError("", 0, name + " names a node that the model does not have");
+  }
+  load_list_.assign(loads.begin(), loads.end());
+  make_loads();
+}
+
+void LbfgsSolver::make_loads() {
+  loads_ = model_ ? DeadLoads(*model_, gravity_m_s2_, load_list_, springs_) : DeadLoads();
+  loads_.dynamic(!inertia_.empty());
+}
+
+void LbfgsSolver::put_held(NodeArray& a, const NodeArray& from) const {
+  const auto value = [&](size_t i) { return from.empty() ? Node4{} : from[i]; };
+  for (int32_t i : fixed_) a[size_t(i)] = value(size_t(i));
+  for (int32_t i : sliding_) {
+    const Node4 v = value(size_t(i));
+    for (int k = 0; k < 3; ++k)
+      if (model_->fixed[size_t(i)].along(k)) (&a[size_t(i)].x)[k] = (&v.x)[k];
+  }
 }
 
 void LbfgsSolver::set_contacts(std::span<const Contact> contacts) {

@@ -21,13 +21,19 @@ Vec3 ElasticSolver::position_mm(const EmbeddedPoint& p) const {
   return sum > 0 ? Vec3(x / sum) : x;
 }
 
+Vec3 ElasticSolver::support_force_mN() const {
+  Vec3 sum = Vec3::Zero();
+  for (const SupportForce& f : support_forces_mN()) sum += f.force_mN;
+  return sum;
+}
+
 }  // namespace limberg
 
 namespace limberg::fem {
 namespace {
 
 struct LbfgsPath final : SolverPath {
-  std::shared_ptr<const MetricPast> metric;
+  ComponentMetric::Past metric;
   StretchedCells stretched;
   int lagging_iterations = 0;
 };
@@ -43,7 +49,7 @@ std::shared_ptr<const SolverPath> LbfgsSolver::path() const {
 void LbfgsSolver::take_up(const SolverPath& path) {
   const auto& p = dynamic_cast<const LbfgsPath&>(path);
   stretched_ = p.stretched, lagging_iterations_ = p.lagging_iterations;
-  metric_.take_up(*p.metric);
+  metric_.take_up(p.metric);
   give_metric_springs();
 }
 
@@ -123,16 +129,23 @@ Vec3 LbfgsSolver::spring_force_mN(int32_t id) const {
 
 double LbfgsSolver::contact_force_mN(size_t i) const { return i < contacts_.size() ? contacts_.force_mN(i, u_) : 0; }
 
-Vec3 LbfgsSolver::support_force_mN() const {
+std::vector<SupportForce> LbfgsSolver::support_forces_mN() const {
   NodeArray g(u_.size());
   elements_->evaluate(u_, g, false, engine_);
   forces_.add(u_, g, false);
   ContactForces(contacts_).add(u_, g, false);
   points_.add(u_, g, false, engine_.workers());
+  if (double size = 0; !loads_.empty()) loads_.add(u_, g, false, size);
   give_to_masters(model_->hanging, g);
-  Vec3 f = Vec3::Zero();
-  for (int32_t i : fixed_) f -= Vec3(double(g[size_t(i)].x), double(g[size_t(i)].y), double(g[size_t(i)].z));
-  return f;
+  std::vector<SupportForce> out;
+  for (size_t i = 0; i < g.size(); ++i) {
+    const Held held = model_->fixed[i];
+    if (!held.any()) continue;
+    SupportForce& f = out.emplace_back(SupportForce{int32_t(i), Vec3::Zero()});
+    for (int k = 0; k < 3; ++k)
+      if (held.along(k)) f.force_mN[k] = -double((&g[i].x)[k]);
+  }
+  return out;
 }
 
 void LbfgsSolver::cell_J(std::vector<float>& J) const {

@@ -73,7 +73,7 @@ void RegionSolver::set_model(std::shared_ptr<const FemModel> model, const Parent
       p->cells.resize(cell_at.size());
   std::vector<int32_t> parent(node_at.size(), -1);
   for (int32_t k = 0; k < kAnchors; ++k) {
-    p->X_mm.set(size_t(k), anchor(low_mm_, high_mm_, k)), p->fixed.set(size_t(k), 1), p->mass_kg.set(size_t(k), 0);
+    p->X_mm.set(size_t(k), anchor(low_mm_, high_mm_, k)), p->fixed.set(size_t(k), true), p->mass_kg.set(size_t(k), 0);
     parent[size_t(k)] = first ? -1 : k;
   }
   const auto before = [&](int32_t v) {
@@ -106,6 +106,7 @@ void RegionSolver::set_model(std::shared_ptr<const FemModel> model, const Parent
     to.node = place[size_t(h.node)];
     for (size_t k = 0; k < size_t(h.count); ++k) to.master[k] = place[size_t(h.master[k])];
   }
+  loads_.clear();
   inner_->set_model(std::move(p), first ? ParentList() : parent_list(parent_of_cell));
   whole_ = std::move(model);
   node_at_ = std::move(node_at), cell_at_ = std::move(cell_at);
@@ -168,6 +169,21 @@ void RegionSolver::set_contacts(std::span<const Contact> contacts) {
     c.a = find(c.a), c.b = find(c.b);
   }
   inner_->set_contacts(to);
+}
+
+void RegionSolver::set_loads(std::span<const DeadLoad> loads) {
+  if (!whole_ && !loads.empty()) throw InputError("", 0, "loads were given before a model");
+  std::vector<DeadLoad> to(loads.begin(), loads.end());
+  for (size_t k = 0; k < to.size(); ++k)
+    for (EmbeddedPoint& p : to[k].at) check_point(p, place_.size(), "load " + std::to_string(k + 1)), p = find(p);
+  inner_->set_loads(to);
+  loads_.assign(loads.begin(), loads.end());
+}
+
+std::vector<SupportForce> RegionSolver::support_forces_mN() const {
+  std::vector<SupportForce> out = inner_->support_forces_mN();
+  for (SupportForce& f : out) f.node = node_at_[size_t(f.node)];
+  return out;
 }
 
 StepReport RegionSolver::step(const StepSettings& settings) {

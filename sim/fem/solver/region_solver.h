@@ -29,6 +29,10 @@ class RegionSolver final : public ElasticSolver {
   void set_model(std::shared_ptr<const FemModel> model, const ParentList& cell_parent) override;
   void set_springs(std::span<const Spring> springs) override;
   void set_contacts(std::span<const Contact> contacts) override;
+  void set_gravity(const Vec3& m_s2) override { inner_->set_gravity(m_s2); }
+  Vec3 gravity_m_s2() const override { return inner_->gravity_m_s2(); }
+  void set_loads(std::span<const DeadLoad> loads) override;
+  std::span<const DeadLoad> loads() const override { return loads_; }
   StepReport step(const StepSettings& settings) override;
   std::span<const Vec3f> displacement_mm() const override { return shown_; }
   void set_displacement_mm(std::span<const Vec3f> u) override;
@@ -40,8 +44,10 @@ class RegionSolver final : public ElasticSolver {
   Vec3 spring_force_mN(int32_t id) const override { return inner_->spring_force_mN(id); }
   double contact_force_mN(size_t i) const override { return inner_->contact_force_mN(i); }
   size_t contacts() const override { return inner_->contacts(); }
-  Vec3 support_force_mN() const override { return inner_->support_force_mN(); }
-  void cell_J(std::vector<float>& J) const override;  // 1 where absent
+  /// Of present nodes; and those of the anchors, which are no nodes of the whole: node -1.
+  std::vector<SupportForce> support_forces_mN() const override;
+  Vec3 load_force_mN() const override { return inner_->load_force_mN(); }  // absent tissue has no weight
+  void cell_J(std::vector<float>& J) const override;                       // 1 where absent
   Mat3 cell_F(int32_t cell) const override;
   std::string describe() const override;
   const FemModel& model() const override { return *whole_; }
@@ -57,6 +63,7 @@ class RegionSolver final : public ElasticSolver {
   Vec3 low_mm_ = Vec3::Zero(), high_mm_ = Vec3::Zero();  // corners of the anchors' box, of the first model
   std::vector<int32_t> node_at_, cell_at_;               // present node or cell -> whole (anchors: -1)
   std::vector<int32_t> place_, cell_place_;              // whole -> present, -1: absent
+  std::vector<DeadLoad> loads_;                          // on nodes of the whole
   std::vector<Vec3f> shown_;
 };
 

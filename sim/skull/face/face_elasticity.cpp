@@ -83,8 +83,8 @@ size_t FaceElasticity::nodes() const { return held_.size(); }
 void FaceElasticity::hold(std::span<const uint8_t> held) {
   if (held.size() != held_.size()) throw InputError("", 0, "one flag per node was expected");
   held_.assign(held.begin(), held.end());
-  impl_->model.fixed.assign(held.size(), 0);
-  for (size_t i = 0; i < held.size(); ++i) impl_->model.fixed[i] = held[i];
+  impl_->model.fixed.assign(held.size(), false);
+  for (size_t i = 0; i < held.size(); ++i) impl_->model.fixed[i] = held[i] != 0;
   impl_->solver.set_model(std::make_shared<const FemModel>(impl_->model), {});
   impl_->last.assign(held_.size(), Vec3::Constant(NAN));
 }

@@ -59,7 +59,7 @@ inline DividedModel divide(const FemModel& whole, const std::vector<int>& level)
               BornNode born;
               born.node = it->second;
               Vec3 X = Vec3::Zero();
-              bool held = true;
+              unsigned held = Held(true).axes();
               int32_t nearest = -1;
               float most = 0;
               for (int b = 0; b < 8; ++b) {
@@ -71,11 +71,12 @@ inline DividedModel divide(const FemModel& whole, const std::vector<int>& level)
                 if (w == 0) continue;
                 const int32_t v = from.node[size_t(b)];
                 X += double(w) * whole.X_mm[size_t(v)];
-                held = held && whole.fixed[size_t(v)];
+                held &= whole.fixed[size_t(v)].axes();
                 born.from.push_back({v, w});
                 if (w > most) most = w, nearest = v;
               }
-              m.X_mm.push_back(X), m.fixed.push_back(held), m.mass_kg.push_back(0), m.parent.push_back(nearest);
+              m.X_mm.push_back(X), m.fixed.push_back(Held::axes(held)), m.mass_kg.push_back(0),
+                  m.parent.push_back(nearest);
               m.born.push_back(born);
             }
             cell.node[size_t(k)] = it->second;

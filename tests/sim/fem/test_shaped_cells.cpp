@@ -46,7 +46,7 @@ FemModel crooked_tets(double poisson = 0.4) {
   FemModel straight = bcc_box_model(b);
   Random r(9);
   std::vector<Vec3> X = straight.X_mm.flat();
-  std::vector<uint8_t> outer(X.size());
+  std::vector<Held> outer(X.size());
   for (size_t i = 0; i < X.size(); ++i) {
     outer[i] = std::abs(std::abs(X[i][0]) - 3) < 1e-9 || std::abs(std::abs(X[i][1]) - 3) < 1e-9 ||
                std::abs(X[i][2] - 3) > 3 - 1e-9;

@@ -285,7 +285,7 @@ TEST(Assembly, CurvedBodyIsHeldAndLayered) {
   size_t held = 0;
   for (size_t n = 0; n < s.m->X_mm.size(); ++n) {
     const double z = s.m->X_mm[n].z();
-    held += s.m->fixed[n];
+    held += s.m->fixed[n].any();
     EXPECT_TRUE(!s.m->fixed[n] || z < -8 || s.m->X_mm[n].head<2>().cwiseAbs().maxCoeff() > 17)
         << s.m->X_mm[n].transpose();
   }

@@ -27,7 +27,7 @@ class GivenSolver final : public ElasticSolver {
     }
   }
   std::vector<float> J{1.0f, 0.5f, -0.25f, 1.1f};
-  Vec3 support{0, 0, 0};
+  Vec3 support{0, 0, 0}, loaded{0, 0, 0};
   void set_model(std::shared_ptr<const FemModel>, const ParentList&) override {}
   void set_springs(std::span<const Spring>) override {}
   void set_contacts(std::span<const Contact>) override {}
@@ -39,7 +39,12 @@ class GivenSolver final : public ElasticSolver {
   Vec3 spring_force_mN(int32_t) const override { return Vec3::Zero(); }
   double contact_force_mN(size_t) const override { return 0; }
   size_t contacts() const override { return 0; }
-  Vec3 support_force_mN() const override { return support; }
+  void set_gravity(const Vec3&) override {}
+  Vec3 gravity_m_s2() const override { return Vec3::Zero(); }
+  void set_loads(std::span<const DeadLoad>) override {}
+  std::span<const DeadLoad> loads() const override { return {}; }
+  std::vector<SupportForce> support_forces_mN() const override { return {{0, support}}; }
+  Vec3 load_force_mN() const override { return loaded; }
   void cell_J(std::vector<float>& out) const override { out = J; }
   Mat3 cell_F(int32_t) const override { return Mat3::Identity(); }
   std::string describe() const override { return "given"; }
@@ -60,6 +65,10 @@ TEST(ForceBalance, SupportsAnswerTheHooks) {
   EXPECT_NEAR(odd.relative, 0.1 / all, 1e-7);
   const std::vector<SutureState> stitches{{1, Vec3f::Zero(), Vec3f::Zero(), 2.f, 0.1f}};
   EXPECT_NEAR(force_balance(hooks, stitches, Vec3(1000, 3000, 1900)).relative, 0.1 / (all + 4), 1e-7);
+  // The supports receive what hooks and loads give, 1 N of load here.
+  const ForceBalance loaded = force_balance(hooks, {}, Vec3(1000, 3000, 3000), Vec3(0, 0, 1000));
+  EXPECT_NEAR(loaded.sum_N.norm(), 0, 1e-6);
+  EXPECT_EQ(loaded.loads_N, Vec3(0, 0, 1));
   EXPECT_EQ(force_balance({}, {}, Vec3::Zero()).relative, 0);
   EXPECT_NEAR(force_balance({}, {}, Vec3(1e-3, 0, 0)).relative, 1e-4, 1e-12);  // a micronewton of rounding
 }

@@ -44,9 +44,12 @@ TEST(TissueState, EveryFieldOfWhatHoldsTheTissueIsHashed) {
   expect_all_seen<Thread>(
       {}, {[](Thread& t) { t.id = 1; }, [](Thread& t) { t.length_mm = 1; }, [](Thread& t) { t.slack_mm = 1; },
            [](Thread& t) { t.corner = true; }, [](Thread& t) { t.closing = false; }});
+  expect_all_seen<PlacedLoad>({}, {[](PlacedLoad& l) { l.anchor.origin = 7; }, [](PlacedLoad& l) { l.force_N.y() = 1; },
+                                   [](PlacedLoad& l) { l.radius_mm = 1; }});
   expect_all_seen<Holding>({}, {[](Holding& k) { k.hooks.push_back({}); }, [](Holding& k) { k.stitches.push_back({}); },
                                 [](Holding& k) { k.threads.push_back({}); }, [](Holding& k) { k.next_spring = 2; },
-                                [](Holding& k) { k.next_stitch = 2; }, [](Holding& k) { k.next_thread = 2; }});
+                                [](Holding& k) { k.next_stitch = 2; }, [](Holding& k) { k.next_thread = 2; },
+                                [](Holding& k) { k.loads.push_back({}); }});
   using Figures = TissueFigures;
   expect_all_seen<Figures>({}, {[](Figures& f) { f.volume_mm3 = 1; }, [](Figures& f) { f.removed_volume_mm3 = 1; },
                                 [](Figures& f) { f.cuts = 1; }, [](Figures& f) { f.open_energy_uJ = 0; },
