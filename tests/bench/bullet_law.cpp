@@ -85,7 +85,7 @@ std::vector<std::array<int32_t, 4>> five_tets(const FemModel& m) {
 
 FemModel tet_twin(const FemModel& from, double mu, double lambda) {
   ShapedModel s;
-  for (size_t i = 0; i < from.X_mm.size(); ++i) s.add_node(from.X_mm[i], from.fixed[i]);
+  for (size_t i = 0; i < from.X_mm.size(); ++i) s.add_node(from.X_mm[i], from.fixed[i].any());
   const int32_t law = s.add_law(bullet_law(mu, lambda));
   for (const auto& t : five_tets(from)) s.add_tet(t, law);
   FemModel m = s.finish();

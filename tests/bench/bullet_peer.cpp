@@ -84,7 +84,8 @@ struct BulletBody::Impl {
   std::vector<uint8_t> fixed;
 
   Impl(const FemModel& m, double mu, double lambda, double damping)
-      : elastic(btScalar(mu), btScalar(lambda), btScalar(damping)), X(m.X_mm), fixed(m.fixed) {
+      : elastic(btScalar(mu), btScalar(lambda), btScalar(damping)), X(m.X_mm) {
+    for (const Held held : m.fixed) fixed.push_back(held.any());
     constraints.setDeformableSolver(&solver);
     world.setGravity({0, 0, 0});
     world.getWorldInfo().m_gravity = {0, 0, 0};

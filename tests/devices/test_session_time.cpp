@@ -77,8 +77,7 @@ TEST(SlowedTime, AReaderThatIsOvertakenBeginsAgain) {
   for (int bends = 0; bends < 40; ++bends) {
     Overtaken t;
     const int64_t pace = t.pace_read(bends);
-    if (bends < 7) EXPECT_EQ(pace, 1000) << "what it began to read is still there";
-    if (bends >= 7) EXPECT_EQ(pace, 200 + bends);
+    EXPECT_EQ(pace, bends < 7 ? 1000 : 200 + bends) << "before that, what it began to read is still there";
   }
 }
 
