@@ -3,8 +3,8 @@
 //
 // Packets are taken as bytes and checked before the packaged decoder sees them (size, fingerprint, version, finite
 // numbers, sequence): that decoder can be made to fail by what it reads. Time stamps are those of arrival on this
-// machine, by the session's time (session_time.h), because the sender's clock is not ours. A sender may stop and come back.
-// From this machine alone, unless other networks are allowed: lcm_local_link.h.
+// machine, by the session's time (session_time.h), because the sender's clock is not ours. A sender may stop and come
+// back. From this machine alone, unless other networks are allowed: lcm_local_link.h.
 #include <memory>
 #include <string>
 

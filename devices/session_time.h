@@ -1,9 +1,9 @@
 #pragma once
 // A session's time as its sources stamp it, where it may run slower than the wall's: slow motion for a live hand.
 //
-// SlowedTime is a line with bends: from a moment of the wall on, session time passes at a stated pace, and from a stated
-// session time on at the least pace. So whoever falls behind puts the brake before it does, and need not come to its end
-// for the clock to slow down. One thread bends the line (the solver's); any number read it, and never wait: a reader
+// SlowedTime is a line with bends: from a moment of the wall on, session time passes at a stated pace, and from a
+// stated session time on at the least pace. So whoever falls behind puts the brake before it does, and need not come to
+// its end for the clock to slow down. One thread bends the line (the solver's); any number read it, and never wait: a reader
 // that was overtaken while it read begins again.
 //
 // Session time never stands still and never goes back, but for a reader that looked at the wall's clock just before a
@@ -34,7 +34,8 @@ class SlowedTime {
     if (t <= b.brake_ns) return t;
     return b.brake_ns + slowed(wall_ns - b.wall_ns - stretched(b.brake_ns - b.session_ns, b.pace), kLeast);
   }
-  /// When the wall's clock will have brought session time there, unless the line is bent before; at() of it is not less.
+  /// When the wall's clock will have brought session time there, unless the line is bent before; at() of it is not
+  /// less.
   int64_t wall_at(int64_t session_ns) const {
     const Bend b = newest();
     if (b.session_ns >= b.brake_ns) return b.wall_ns + stretched(session_ns - b.session_ns, kLeast);

@@ -41,7 +41,7 @@
 //   "unit", "limit",
 //                  "value" (absent: not measured, "why"), "met"}], "hints": [...]}
 //   "verdict":     [{"what", "value", "unit", "limit", "place", "light" (bad, warn, told, good), "source"}]  bad first
-//   "solver":      also "hand" ("waits", "slowed" or "live") and "waited_ms": for so long the clock was held for the patient;
+//   "solver":      also "hand" ("waits", "slowed" or "live") and "waited_ms": for so long the patient held the clock;
 //                  "slowed_ms" and "slowest_pace": of slow motion, time added and the pace over the slowest second
 //   "script":      ["{...}", ...] the operation, one JSON line each (strings or objects)
 //   "reproduce":   "limberg replay ..."  the command that makes this result again

@@ -1,6 +1,6 @@
 #pragma once
-// Says in words when the patient falls behind the hand, and when it keeps up again; in slow motion how fast the session's
-// clock runs, and when as fast as the wall's again. Not at every flicker.
+// Says in words when the patient falls behind the hand, and when it keeps up again; in slow motion how fast the
+// session's clock runs, and when as fast as the wall's again. Not at every flicker.
 #include <fmt/format.h>
 
 #include <algorithm>

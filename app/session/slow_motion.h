@@ -1,9 +1,9 @@
 #pragma once
 // Slow motion for a live hand: how fast the session's clock may run, so that the patient is never far behind it.
 //
-// A hand that is emulated or recorded waits for the patient; a live one cannot. In slow motion the clock waits instead,
-// evenly: time on which everything rests (ticks, steps, dwell, stamps of samples) passes more slowly, the hand seems the
-// faster for it, and no step is skipped. Two things slow it:
+// A hand that is emulated or recorded waits for the patient; a live one cannot. In slow motion the clock waits, evenly:
+// time on which everything rests (ticks, steps, dwell, stamps of samples) passes more slowly, the hand seems the faster
+// for it, and no step is skipped. Two things slow it:
 //
 //   pace   goes by how long the last steps took of the wall's time, once the patient was more than kLag behind; it is
 //          kSpare of what they allow, so that the lag is made up for

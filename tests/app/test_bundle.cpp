@@ -1,5 +1,7 @@
 // The files of a scene out of a recording: names that anybody may have written lead nowhere but below a folder of ours.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 
@@ -40,12 +42,12 @@ TEST(Unbundle, FilesInEachOthersWayAreRefused) {
 
 TEST(Unbundle, NoNameLeadsOutOfTheFolder) {
   const std::string up = "../../../../../../../../../";
-  for (const std::string& name : {std::string("/tmp/limberg-planted.obj"), up + "limberg-planted.obj", up + up + "x",
-                                  std::string("a/../") + up + "limberg-planted.obj"}) {
+  const std::string planted = std::filesystem::temp_directory_path() / fmt::format("planted-{}.obj", getpid());
+  for (const std::string& name : {planted, up + planted.substr(1), up + up + "x", "a/../" + up + planted.substr(1)}) {
     const std::string said = refusal({{BlobKind::mesh, name, "v 0 0 0"}});
     EXPECT_NE(said.find("expected a path near its scene"), std::string::npos) << name << ": " << said;
   }
-  EXPECT_FALSE(std::filesystem::exists("/tmp/limberg-planted.obj"));
+  EXPECT_FALSE(std::filesystem::exists(planted));
   // One beside the scene, and one in a folder above it, are where they may be.
   for (const std::string name : {"skin.obj", "../meshes/skin.obj"})
     EXPECT_EQ(refusal({{BlobKind::mesh, name, "v 0 0 0"}}), "") << name;

@@ -715,8 +715,8 @@ struct Stamped final : Source {
   SourceCounts counts() const override { return {seq, 0, 0}; }
 };
 
-// A patient whose steps take three periods, and a live hand in slow motion: no step is lost, the session lasts longer by
-// the wall's clock, stamps are of the session's, and the recording has it all.
+// A patient whose steps take three periods, and a live hand in slow motion: no step is lost, the session lasts longer
+// by the wall's clock, stamps are of the session's, and the recording has it all.
 TEST(RealTime, InSlowMotionALiveHandLosesNoStepAndItsRecordingReplays) {
   const std::string file = temporary("slowed.lcm");
   const auto slowed = std::make_shared<SlowedTime>();

@@ -1,5 +1,5 @@
-// Slow motion on a virtual clock: a solver whose steps take so long, as the solver's thread drives it, and the session's
-// time beside the wall's. Nothing sleeps.
+// Slow motion on a virtual clock: a solver whose steps take so long, as the solver's thread drives it, and the
+// session's time beside the wall's. Nothing sleeps.
 #include <gtest/gtest.h>
 
 #include <algorithm>
