@@ -3,8 +3,8 @@
 //
 // SlowedTime is a line with bends: from a moment of the wall on, session time passes at a stated pace, and from a
 // stated session time on at the least pace. So whoever falls behind puts the brake before it does, and need not come to
-// its end for the clock to slow down. One thread bends the line (the solver's); any number read it, and never wait: a reader
-// that was overtaken while it read begins again.
+// its end for the clock to slow down. One thread bends the line (the solver's); any number read it, and never wait: a
+// reader that was overtaken while it read begins again.
 //
 // Session time never stands still and never goes back, but for a reader that looked at the wall's clock just before a
 // bend: by as much as lies between its look and its reading. Whoever needs more than that keeps its own last time.

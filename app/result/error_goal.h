@@ -2,8 +2,8 @@
 // `operate --error 5%`: cells get smaller until the lattice's share of the error of each figure is below so much of it.
 //
 // The sizes are the scene's times sqrt 2, then the scene's own, then smaller ones by sqrt 2 each. From three sizes on
-// the estimates of extrapolation.h are asked. It ends when all figures are there, when the next size would take longer than
-// is allowed (as much longer than the last as that took longer than the one before), or after kMostSizes.
+// the estimates of extrapolation.h are asked. It ends when all figures are there, when the next size would take longer
+// than is allowed (as much longer than the last as that took longer than the one before), or after kMostSizes.
 #include <optional>
 #include <span>
 #include <string>
