@@ -70,7 +70,10 @@ void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, dou
     const auto lattice = update_topology(*before, material_surface(a), &pool);
     std::shared_ptr<const FemModel> model;
     const EarlierModel earlier_model{*before, *model_before};
-    const auto assembling = pool.submit([&] { model = assemble_fem(stencils, *lattice, &earlier_model); });
+    const auto assembling = pool.submit([&] {
+      const MaterialSurface surface = material_surface(a);
+      model = assemble_fem(stencils, *lattice, &earlier_model, &surface);
+    });
     drawing->wait();
     const auto embedding =
         embed_surface(*lattice, material_surface(a), view, {*before, view_before, embedding_before, change});
@@ -112,7 +115,8 @@ void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, dou
     const auto lattice = update_topology(*before, material_surface(a));
     lap();
     const EarlierModel earlier_model{*before, *model_before};
-    const auto model = assemble_fem(stencils, *lattice, &earlier_model);
+    const MaterialSurface surface = material_surface(a);
+    const auto model = assemble_fem(stencils, *lattice, &earlier_model, &surface);
     lap();
     ViewChange change;
     SurfaceView view = a.surface_view(view_before, before->operations, change);

@@ -220,7 +220,7 @@ bool LbfgsSolver::at_floor() {
   };
   u_try_ = u_;
   for (Node4& n : u_try_) n.x = nudged(n.x), n.y = nudged(n.y), n.z = nudged(n.z);
-  for (int32_t i : fixed_) u_try_[size_t(i)] = u_[size_t(i)];
+  put_held(u_try_, u_);
   follow_masters(model_->hanging, u_try_);
   evaluate(u_try_, g_try_, false);
   engine_.subtract(d_, g_try_, g_);
