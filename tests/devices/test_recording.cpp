@@ -214,6 +214,23 @@ TEST(Recording, RepeatedAndReversedSamplesAreOutOfOrder) {
   EXPECT_EQ(r.damage.stream_gaps, 2);
 }
 
+// Found by libFuzzer: the samples that many streams lack added up beyond 2^63.
+TEST(Recording, NumbersThatLeapInEveryStreamAddUpToANumber) {
+  TemporaryFolder dir;
+  RecordingWriter w;
+  w.open(dir / "r.lcm", session(), {});
+  for (int32_t device : {1, 2, 3})
+    for (const int64_t seq : {int64_t{0}, INT64_MAX - 1}) {
+      StylusSample s = stylus(seq, seq == 0 ? 0 : 1000, Vec3(0, 0, 0));
+      s.device_id = device;
+      w.on_sample(s);
+    }
+  w.finish(1, 1);
+  const Recording r = read_recording(dir / "r.lcm");
+  EXPECT_EQ(r.samples.size(), 6u);
+  EXPECT_EQ(r.damage.stream_gaps, 3'000'000'000);
+}
+
 TEST(Recording, ForeignChannelsAreSkipped) {
   TemporaryFolder dir;
   LogWriter w;
