@@ -44,12 +44,16 @@ class Assembly {
     return fraction > counts_as_full(t_.divides(), level) ? 1.0f : float(std::max(fraction, kLeastFraction));
   }
   double mass_kg(const CellCopy& copy, const HexCell& cell) const {
-    // A part weighs as the cell that it is a part of, and so does a copy: neither division nor a cut changes the mass.
+    // A part weighs as the cell that it is a part of, so that division does not change the mass; a copy with layers of
+    // its own by so much more or less as they do. Those are rounded (kShareSteps), and with them the mass after a cut.
     const CellPlace place = t_.tree.place(t_.grid, copy.cell);
-    const int32_t stencil = table_.of_cell(
+    const int32_t undivided = table_.of_cell(
         t_.grid.cell_index({place.at.x >> place.level, place.at.y >> place.level, place.at.z >> place.level}));
+    const auto density = [&](int32_t stencil) { return table_.stencils()[size_t(stencil)].density_kg_mm3; };
     const double volume = whole_mm3_ / double(1 << 3 * cell.level);
-    return std::max(copy.fraction, 0.0) * volume * table_.stencils()[size_t(stencil)].density_kg_mm3;
+    const double mass = std::max(copy.fraction, 0.0) * volume * density(undivided);
+    const int32_t mixture = table_.of_place(place);
+    return cell.stencil == mixture ? mass : mass * density(cell.stencil) / density(mixture);
   }
   /// What of the node at its corner a copy holds.
   Held holds(int32_t cell, uint8_t fixed_sides, int32_t node, size_t corner) const {

@@ -8,6 +8,7 @@ namespace limberg::test {
 namespace test_copy_layers {
 
 constexpr double kSkinYoung_kPa = 60, kFatYoung_kPa = 15, kNu = 0.45;
+constexpr double kSkinDensity = 1.1e-6, kFatDensity = 0.9e-6;  // kg/mm^3
 double shear_modulus(double young) { return young / (2 * (1 + kNu)); }
 
 // 60 x 60 x 11.5 mm that nothing holds.
@@ -19,6 +20,7 @@ Body skin_on_fat(bool block) {
   Body b = layered(sheet_mesh(sheet), kSkin_mm);
   b.is_box = block;
   b.layers[0].material.young_kPa = kSkinYoung_kPa, b.layers[1].material.young_kPa = kFatYoung_kPa;
+  b.layers[0].material.density_kg_mm3 = kSkinDensity, b.layers[1].material.density_kg_mm3 = kFatDensity;
   for (Layer& l : b.layers) l.material.poisson = kNu;
   return b;
 }
@@ -39,16 +41,24 @@ struct CutSlab {
     t = next;
   }
   /// Per piece, the one that reaches deepest last: energy of the even shear u_x = y (uJ), which no layer slides in.
-  std::vector<double> shear() const {
+  std::vector<double> shear() const { return per_piece(false); }
+  std::vector<double> mass_kg() const { return per_piece(true); }
+
+ private:
+  std::vector<double> per_piece(bool of_mass) const {
     std::vector<double> e(size_t(t->pieces), 0), foot(size_t(t->pieces), 1e9);
+    std::vector<bool> seen(m->mass_kg.size());
     for (size_t c = 0; c < m->cells.size(); ++c) {
       const HexCell& cell = m->cells[c];
       const Stencil& s = m->stencils[size_t(cell.stencil)];
       Eigen::Matrix<double, 8, 1> u;
       for (int n = 0; n < 8; ++n) u[n] = (n >> 1 & 1) ? m->cell_mm.y() : 0;
       const size_t piece = size_t(t->cells[c].piece);
-      e[piece] += 0.5 * double(cell.scale) * u.dot(s.K * u);
-      for (int32_t n : cell.node) foot[piece] = std::min(foot[piece], m->X_mm[size_t(n)].z());
+      if (!of_mass) e[piece] += 0.5 * double(cell.scale) * u.dot(s.K * u);
+      for (int32_t n : cell.node) {
+        foot[piece] = std::min(foot[piece], m->X_mm[size_t(n)].z());
+        if (of_mass && !seen[size_t(n)]) e[piece] += m->mass_kg[size_t(n)], seen[size_t(n)] = true;
+      }
     }
     std::vector<double> sorted;
     while (sorted.size() < e.size()) {
@@ -82,6 +92,24 @@ TEST(CopyLayers, AFlapKeepsItsSkinAndTheBedHasNone) {
         EXPECT_NEAR(e[0], flap, (block ? 0.005 : 0.02) * flap);
         EXPECT_NEAR(e[1], bed, (block ? 0.005 : 0.02) * bed);
       }
+}
+
+// A flap of skin weighs as skin, and what it leaves as fat.
+TEST(CopyLayers, EachPieceWeighsAsItsOwnLayers) {
+  for (const bool block : {true, false})
+    for (const double depth : {1.5, 2.0, 3.1}) {
+      SCOPED_TRACE(testing::Message() << (block ? "block, " : "surface, ") << depth << " mm deep");
+      CutSlab s(block, 5, {0.3, 0.6, 0.45});
+      const double whole = s.mass_kg()[0];
+      s.cut(sheet({-35, -35, -depth}, {70, 0, 0.001}, {0, 70, 0}, 14, 14));
+      const std::vector<double> m = s.mass_kg();
+      ASSERT_EQ(m.size(), 2u);
+      const double flap = kSize_mm * kSize_mm * (kSkinDensity * kSkin_mm + kFatDensity * (depth - kSkin_mm)),
+                   bed = kSize_mm * kSize_mm * kFatDensity * (kFat_mm + kSkin_mm - depth);
+      EXPECT_NEAR(m[0], flap, (block ? 0.002 : 0.01) * flap);
+      EXPECT_NEAR(m[1], bed, (block ? 0.002 : 0.01) * bed);
+      EXPECT_NEAR(m[0] + m[1], whole, 5e-4 * whole);  // 1/512 of a fifth: what the rounded shares may change
+    }
 }
 
 // Askew through skin and fat: both sides together have what there was, and each its own part.
