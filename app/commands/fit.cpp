@@ -415,7 +415,8 @@ int run_fit(const FitOptions& o) {
     write_whole_file(o.sweep_dir + "/fit-sweep.csv", sweep.csv());
     for (const bool time : {false, true}) {
       const LineChart chart = sweep.chart(time);
-      write_whole_file(o.sweep_dir + (time ? "/fit-error-time.svg" : "/fit-error-vertices.svg"), svg(chart));
+      write_whole_file(o.sweep_dir + (time ? "/fit-error-time.svg" : "/fit-error-vertices.svg"),
+                       in_plain_colours(svg(chart)));
       add_chart(result, time ? "Error against run time" : "Error against vertices", chart);
     }
     if (!whole) {

@@ -125,6 +125,22 @@ std::string x_axis(const Scale& x, const ChartAxis& axis, double top, double bot
 
 }  // namespace
 
+std::string in_plain_colours(std::string_view svg) {
+  constexpr std::string_view kVariable = "var(--";
+  std::string out;
+  for (size_t at = 0; at < svg.size();) {
+    const size_t from = svg.find(kVariable, at), comma = svg.find(',', from), to = svg.find(')', comma);
+    const bool one = from != svg.npos && comma != svg.npos && to != svg.npos;
+    out.append(svg.substr(at, one ? from - at : svg.npos));
+    if (!one) break;
+    out.append(svg.substr(comma + 1, to - comma - 1));
+    at = to + 1;
+  }
+  const size_t drawing = out.find('>');  // the end of <svg ...>
+  if (drawing != out.npos) out.insert(drawing + 1, "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>");
+  return out;
+}
+
 std::vector<double> axis_ticks(double lo, double hi, bool log) {
   std::vector<double> t;
   if (!(hi > lo) || !std::isfinite(lo) || !std::isfinite(hi)) return t;

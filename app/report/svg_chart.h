@@ -4,6 +4,7 @@
 // a page can give them its light and dark scheme.
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace limberg {
@@ -52,6 +53,9 @@ struct RangeChart {
 
 std::string svg(const LineChart& chart);
 std::string svg(const RangeChart& chart);
+
+/// For a file of its own: on white, the fall-backs in place of the variables, which drawing programs do not know.
+std::string in_plain_colours(std::string_view svg);
 
 /// Tick values of an axis from lo to hi: round steps, or the powers of ten (with 2 and 5 between when there are few).
 std::vector<double> axis_ticks(double lo, double hi, bool log);

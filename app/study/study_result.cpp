@@ -89,7 +89,8 @@ void leave_files(const std::vector<Gathered>& parts, const std::string& dir) {
     const std::string prefix = &p == &parts[0] ? "" : p.family->name;
     write_whole_file(dir + "/" + (prefix.empty() ? "rows" : prefix) + ".csv", csv(p.rows));
     for (const NamedChart& c : p.family->charts(p.rows))
-      write_whole_file(dir + "/" + (prefix.empty() ? "" : prefix + "-") + c.name + ".svg", svg(c.chart));
+      write_whole_file(dir + "/" + (prefix.empty() ? "" : prefix + "-") + c.name + ".svg",
+                       in_plain_colours(svg(c.chart)));
   }
 }
 

@@ -53,7 +53,7 @@ SuiteOutcome run_accuracy(const Options& o) {
   const AccuracyReport report = accuracy(scene_of(o), s);
   if (!o.out_dir.empty()) {
     write_whole_file(o.out_dir + "/accuracy.csv", report.csv());
-    write_whole_file(o.out_dir + "/accuracy.svg", report.svg());
+    write_whole_file(o.out_dir + "/accuracy.svg", in_plain_colours(report.svg()));
   }
   SuiteOutcome out = only(report.result());
   out.scene = report.scene;
@@ -97,7 +97,7 @@ SuiteOutcome run_head(const Options& o) {
     out.charts.emplace_back(situation + ": error against run time", heads.chart(situation));
     if (!o.out_dir.empty())
       write_whole_file(o.out_dir + "/head-modes-" + std::to_string(out.charts.size()) + ".svg",
-                       svg(out.charts.back().second));
+                       in_plain_colours(svg(out.charts.back().second)));
   }
   return out;
 }

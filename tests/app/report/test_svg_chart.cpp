@@ -150,5 +150,21 @@ TEST(Chart, LogAxisIsLogarithmic) {
   EXPECT_GT(y[1], y[0]);
 }
 
+// Drawing programs know no CSS variables and draw nothing, or all in black.
+TEST(SvgChart, AFileOfItsOwnHasColoursThatEveryProgramKnows) {
+  LineChart chart;
+  chart.description = "a line";
+  chart.series.push_back({"one", {1, 2, 3}, {2, 3, 1}, true});
+  chart.series.push_back({"two", {1, 2, 3}, {3, 1, 1}, false});
+  const std::string page = svg(chart), file = in_plain_colours(page);
+  EXPECT_NE(page.find("var(--s2,#"), std::string::npos);
+  EXPECT_EQ(file.find("var("), std::string::npos);
+  EXPECT_NE(file.find("fill=\"#222\""), std::string::npos);
+  EXPECT_LT(file.find("fill=\"#fff\"/>"), file.find("<line"));
+  EXPECT_EQ(xml_fault(file), "");
+  EXPECT_EQ(in_plain_colours("<svg>no colours</svg>"),
+            "<svg><rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>no colours</svg>");
+}
+
 }  // namespace test_svg_chart
 }  // namespace limberg

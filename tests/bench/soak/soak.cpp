@@ -191,8 +191,8 @@ SuiteOutcome soak(const SoakSettings& set) {
     out.charts.emplace_back("Memory", memory_chart(rounds));
     out.charts.emplace_back("Time of a step", time_chart(rounds));
     if (!set.out_dir.empty()) {
-      write_whole_file(set.out_dir + "/soak-memory.svg", svg(out.charts[0].second));
-      write_whole_file(set.out_dir + "/soak-time.svg", svg(out.charts[1].second));
+      write_whole_file(set.out_dir + "/soak-memory.svg", in_plain_colours(svg(out.charts[0].second)));
+      write_whole_file(set.out_dir + "/soak-time.svg", in_plain_colours(svg(out.charts[1].second)));
     }
   }
   if (wanted("acts") && !set.stop()) add(out.result, soak_acts(set));
