@@ -45,19 +45,17 @@ class LongSession {
   struct Thousand {
     int64_t done = 0, refused = 0, undone = 0, depth = 0;
     double most_mb = 0, floor_mb = 0;  // with all of the history; once it is gone
-    bool same = true;                  // the patient, after all was taken back
+    int64_t compared = 0, other = 0;    // patients of which all was taken back, with themselves before it was done
   };
 
   Thousand next(int64_t acts, uint64_t seed, const std::function<bool()>& stop) {
     Thousand t;
     fuzz::WorldGenerator generator(seed);
     generator.start();
-    const uint64_t before = world_.full_hash();
     act(t, Incise{{{-12, 0}, {12, 0}}, 4, 90, false});
     for (int64_t k = 1; k < acts && !stop(); ++k) act(t, random_act(generator));
     t.most_mb = handed_out_mb();
-    while (world_.apply(Undo{}).done) ++t.depth;
-    t.same = world_.full_hash() == before;
+    while (!none_done_) act(t, Undo{}), t.depth += !none_done_;
     // An act that is none of the history ends what could be made again.
     world_.apply(SetHook{9, {0, 0}}), world_.apply(ReleaseHook{9});
     t.floor_mb = handed_out_mb();
@@ -71,20 +69,42 @@ class LongSession {
     if (back_ > 0) return --back_, Undo{};
     return generator.next();
   }
+  // Time and hooks move the patient, and no undo takes them back: what is compared is the patient as it was when the
+  // first act of all that are in the history began, with the one that it is right after the last of them was undone.
+  // Only a refused undo tells that nothing is left; when the patient may have moved before that, nothing is compared.
   void act(Thousand& t, const Command& c) {
-    if (const Wait* w = std::get_if<Wait>(&c)) {
-      for (int i = 0; i < int(100 * w->seconds + 0.5); ++i) world_.step(step_);
-      return;
+    const bool undo = std::holds_alternative<Undo>(c), redo = std::holds_alternative<Redo>(c),
+               wait = std::holds_alternative<Wait>(c);
+    const bool kept = !undo && !wait && !std::holds_alternative<SetHook>(c) && !std::holds_alternative<MoveHook>(c) &&
+                      !std::holds_alternative<ReleaseHook>(c);
+    const uint64_t now = none_done_ && kept && !redo ? world_.full_hash() : 0;
+    bool done = true;
+    if (wait)
+      for (int i = 0; i < int(100 * std::get<Wait>(c).seconds + 0.5); ++i) world_.step(step_);
+    else
+      (done = world_.apply(c).done) ? ++t.done : ++t.refused;
+    t.undone += done && undo;
+    if (undo && !done && !none_done_) {
+      if (just_undone_ && !doubtful_) ++t.compared, t.other += world_.full_hash() != before_;
+      none_done_ = true, doubtful_ = false;
     }
-    const bool done = world_.apply(c).done;
-    (done ? t.done : t.refused) += 1;
-    t.undone += done && std::holds_alternative<Undo>(c);
+    if (kept && done) {
+      if (none_done_ && !redo) before_ = now;  // what is made again began where it did at first
+      none_done_ = false;
+    }
+    if (!kept && !undo) doubtful_ |= undoing_;
+    undoing_ = kept ? undoing_ && !done : undoing_ || (undo && done);
+    just_undone_ = undo && done;
   }
 
   InlineWorkers workers_;
   World world_;
   StepSettings step_;
   int back_ = 0, since_ = 0;
+  // Nothing is in the history; the act before was an undo that was done; the last act that was kept has been undone;
+  // since then the patient has moved.
+  bool none_done_ = true, just_undone_ = false, undoing_ = false, doubtful_ = false;
+  uint64_t before_ = 0;
 };
 
 /// What the history keeps of one act on the patient of a scene that is operated on for real.
@@ -116,16 +136,18 @@ Result soak_acts(const SoakSettings& set) {
     return Incise{{{-4, -25 + 5.0 * k}, {4, -25 + 5.0 * k}}, 3, 90, false};
   }));
   LongSession session;
+  // The first thousands fill the table of what copies of a cell are made of (copy_layers.h): some 256 mixtures of two
+  // layers. A leak goes on.
   double first_mb = 0, most_mb = 0;
-  int64_t other = 0, acts = 0;
+  int64_t other = 0, compared = 0, acts = 0;
   for (uint64_t k = 0; acts < set.acts && !set.stop(); ++k) {
     const double cpu = cpu_ms();
     const int64_t n = std::min(kThousand, set.acts - acts);
     const LongSession::Thousand t = session.next(n, 1 + k % 5, set.stop);
     acts += n;
-    if (k == 0) first_mb = t.floor_mb;
-    most_mb = std::max(most_mb, t.floor_mb);
-    other += !t.same;
+    double& half = acts <= set.acts / 2 || k == 0 ? first_mb : most_mb;
+    half = std::max(half, t.floor_mb);
+    other += t.other, compared += t.compared;
     Row r;
     r.name = "acts", r.method = fmt::format("{} to {}", acts - n + 1, acts);
     r.time_ms = (cpu_ms() - cpu) / double(n), r.error = t.floor_mb, r.error_unit = "MB";
@@ -136,9 +158,11 @@ Result soak_acts(const SoakSettings& set) {
     if (set.progress) set.progress(fmt::format("{} acts: {:.1f} MB", acts, t.floor_mb));
   }
   out.bars.push_back(
-      acts_bar(fmt::format("memory after {} acts that were taken back, more than after the first thousand", acts),
+      acts_bar(fmt::format("memory once acts are taken back, in the second half of {} more than in the first", acts),
                most_mb / first_mb - 1, 0.05, "issue 24"));
-  out.bars.push_back(acts_bar("patients that are others once all is taken back", double(other), 0, "bit-exact"));
+  out.bars.push_back(acts_bar(fmt::format("of {} patients of which all was taken back, others than before", compared),
+                              double(other), 0, "bit-exact"));
+  out.bars.back().pass &= compared > 0;
   return out;
 }
 
