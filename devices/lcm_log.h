@@ -14,6 +14,8 @@ namespace limberg {
 
 /// What was wrong with a log. Counts are of events (or runs of bytes) skipped.
 struct LogDamage {
+  // In a row that count as missing: 12 days at 1 kHz. Hostile numbers leap, and their sum must be a number.
+  static constexpr int64_t kMostMissing = 1'000'000'000;
   int64_t truncated = 0;        // the file ends within an event
   int64_t bad_sync = 0;         // bytes between events that are not an event
   int64_t bad_length = 0;       // a channel or data length beyond the limits

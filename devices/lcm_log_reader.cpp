@@ -59,7 +59,7 @@ void LogReader::note(const char* what, size_t offset) {
 
 /// Event numbers grow by one. A jump that the next number takes back was damage to the number itself, not a loss.
 void LogReader::check_number(int64_t number) {
-  constexpr int64_t kMostMissing = 1'000'000'000;
+  constexpr int64_t kMostMissing = LogDamage::kMostMissing;
   if (number == expected_) {
     jump_ = 0;
   } else if (jump_ != 0 && number == expected_ - jump_) {

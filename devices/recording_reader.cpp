@@ -88,7 +88,6 @@ class Reader {
   }
 
  private:
-  static constexpr int64_t kMostMissing = 1'000'000'000;  // samples in a row: 12 days at 1 kHz
   static constexpr const char* kNoChecksum = "no checksum in a stream that has them";
   static constexpr const char* kOutOfOrder = "sequence or time does not grow";
   static constexpr const char* kTooLate = "later than a day after the beginning";
@@ -133,7 +132,7 @@ class Reader {
     if (checksums_[Sample(S{}).index()] && !has_checksum) return kNoChecksum;
     if (!order_[stream].accept(s.seq, s.t_ns, gap)) return kOutOfOrder;
     checksums_[Sample(S{}).index()] |= has_checksum;
-    log_.damage().stream_gaps += std::min(gap, kMostMissing);  // hostile numbers leap, and their sum must be a number
+    log_.damage().stream_gaps += std::min(gap, LogDamage::kMostMissing);
     if (!has_checksum) unchecked_.emplace_back(r_.samples.size(), e.offset);
     r_.samples.push_back(s);
     return nullptr;

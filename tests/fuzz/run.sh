@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# ./do fuzz [SECONDS] [ENTRY ...]: each entry for so long (default 600 s of CPU time, all of them), one process at a time,
-# from its corpus in tests/fuzz/corpus; what was found goes back there, minimised and small. Prints a table, and adds its
-# rows to out/fuzz/table.md, so that entries done on several days stand in one. An input that hurts is left as out/fuzz/ENTRY-crash-... (or -timeout-, -oom-), and the exit status
-# is 3. LIMBERG_FUZZ_NICE: how nice (default 10).
+# ./do fuzz [SECONDS] [ENTRY ...]: each entry for so long (default 600 s of CPU time, all of them), one process at a
+# time, from its corpus in tests/fuzz/corpus; what was found goes back there, minimised and small. Prints a table, and
+# adds its rows to out/fuzz/table.md, so that entries done on several days stand in one. An input that hurts is left as
+# out/fuzz/ENTRY-crash-... (or -timeout-, -oom-), and the exit status is 3. LIMBERG_FUZZ_NICE: how nice (default 10).
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
@@ -34,11 +34,13 @@ fuzz() {
 # that would tell of its own.
 cpu_s() {
   times >"$work/times"
-  cpu=$(awk 'NR == 2 { for (i = 1; i <= 2; ++i) { split($i, a, /[ms]/); t += 60 * a[1] + a[2] } print int(t) }' "$work/times")
+  cpu=$(awk 'NR == 2 { for (i = 1; i <= 2; ++i) { split($i, a, /[ms]/); t += 60 * a[1] + a[2] } print int(t) }' \
+    "$work/times")
 }
 
 row='| %-16s | %10s | %6s | %5s | %12s | %7s | %6s | %6s | %s |\n'
-head=$(printf "$row" entry date clock cpu_s executions '1/s' edges files findings; echo '|---|---|---|---|---|---|---|---|---|')
+head=$(printf "$row" entry date clock cpu_s executions '1/s' edges files findings
+  echo '|---|---|---|---|---|---|---|---|---|')
 [ -s "$out/table.md" ] || echo "$head" >"$out/table.md"
 echo "$head"
 status=0
@@ -52,8 +54,8 @@ while read -r name; do
   : >"$log"
   # The fuzzer knows the clock only: beside other work it is called again until it has had its time.
   while [ "$took" -lt "$seconds" ] && [ "$found" = none ]; do
-    fuzz -max_total_time=$((seconds - took)) -print_final_stats=1 -artifact_prefix="$out/$name-" "$work/new" "$tree" "$work/sound" \
-      >"$log.part" 2>&1 || {
+    fuzz -max_total_time=$((seconds - took)) -print_final_stats=1 -artifact_prefix="$out/$name-" \
+      "$work/new" "$tree" "$work/sound" >"$log.part" 2>&1 || {
       status=3
       found=$(sed -n 's/.*Test unit written to //p' "$log.part" | head -1)
       : "${found:=see $log}"
@@ -78,7 +80,8 @@ while read -r name; do
     cp "$work/merged/$file" "$tree/$file"
     files=$((files + 1)) bytes=$((bytes + size))
   done < <(find "$work/merged" -type f -regextype posix-extended -regex '.*/[0-9a-f]{40}' -printf '%s %f\n' | sort -n)
-  printf "$row" "$name" "$(date +%F)" "$clock" "$took" "$runs" "$((runs / (took > 0 ? took : 1)))" "${edges:-?}" "$before→$(ls "$tree" | wc -l)" "$found" |
+  printf "$row" "$name" "$(date +%F)" "$clock" "$took" "$runs" "$((runs / (took > 0 ? took : 1)))" "${edges:-?}" \
+    "$before→$(ls "$tree" | wc -l)" "$found" |
     tee -a "$out/table.md"
   rm -rf "${work:?}"/sound "$work"/new "$work"/merged
 done <<<"$entries"
