@@ -45,7 +45,7 @@ class LongSession {
   struct Thousand {
     int64_t done = 0, refused = 0, undone = 0, depth = 0;
     double most_mb = 0, floor_mb = 0;  // with all of the history; once it is gone
-    int64_t compared = 0, other = 0;    // patients of which all was taken back, with themselves before it was done
+    int64_t compared = 0, other = 0;   // patients of which all was taken back, with themselves before it was done
   };
 
   Thousand next(int64_t acts, uint64_t seed, const std::function<bool()>& stop) {
