@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <zlib.h>
 
 #include <filesystem>
@@ -68,6 +69,17 @@ TEST(Image, BadFilesAreInputErrors) {
     std::ofstream(dir / "cut.png", std::ios::binary) << bytes.substr(0, n);
     EXPECT_THROW(read_png(dir / "cut.png"), InputError) << n << " of " << bytes.size() << " bytes";
   }
+}
+
+/// Nor does a chunk: libpng 1.6.39 clears as many bytes as a palette's length says, here 1.8 GB, before it looks for them.
+TEST(Image, AChunkThatClaimsMoreThanTheFileTakesNoMemory) {
+  std::string bytes = encode_png(sample(40, 30));
+  bytes.insert(33, std::string("\x6e\x70\x75\x74sPLT", 8));  // behind the header
+  rusage before{}, after{};
+  ASSERT_EQ(getrusage(RUSAGE_SELF, &before), 0);
+  EXPECT_THROW(decode_png(bytes, "chunk.png"), InputError);
+  ASSERT_EQ(getrusage(RUSAGE_SELF, &after), 0);
+  EXPECT_LT(after.ru_maxrss - before.ru_maxrss, 200'000) << "KB more at most than before; the largest file is 32 MB";
 }
 
 /// A header that promises much costs nothing until it is believed: 16,000 x 16,000 pixels would be 768 MB.
