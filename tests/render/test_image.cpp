@@ -107,7 +107,7 @@ TEST(Image, APictureThatPromisesTooMuchIsRefused) {
   EXPECT_NE(large.find("is too large"), std::string::npos) << large;
 }
 
-/// Nor does a chunk: libpng 1.6.39 clears as many bytes as a palette's length says, here 1.8 GB, before it looks for them.
+/// Nor does a chunk: libpng 1.6.39 clears as many bytes as a palette claims, here 1.8 GB, before it looks for them.
 TEST(Image, AChunkThatClaimsMoreThanTheFileTakesNoMemory) {
   std::string bytes = encode_png(sample(40, 30));
   bytes.insert(33, std::string("\x6e\x70\x75\x74sPLT", 8));  // behind the header
