@@ -29,6 +29,7 @@ void scale_fine_cells(toml::table& root, double by) {
   };
   toml::table* lattice = root["lattice"].as_table();
   scale(lattice, "wound_cell_mm");
+  scale(root["loads"].as_table(), "cell_mm");
   if (toml::array* fine = lattice ? (*lattice)["fine"].as_array() : nullptr)
     for (toml::node& zone : *fine) scale(zone.as_table(), "cell_mm");
 }

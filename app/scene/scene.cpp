@@ -242,6 +242,9 @@ std::shared_ptr<const Body> build_body(const Scene& scene, SurfaceReport* report
   return body;
 }
 
+// Of the zone of smaller cells around a load's patch.
+constexpr double kAroundLoad_mm = 8;
+
 WorldSpec world_spec(const Scene& scene, std::shared_ptr<const Body> body) {
   WorldSpec w;
   w.body = std::move(body);
@@ -258,6 +261,9 @@ WorldSpec world_spec(const Scene& scene, std::shared_ptr<const Body> body) {
   w.dynamic = scene.dynamic;
   w.contact = scene.contact;
   w.gravity_m_s2 = scene.gravity_m_s2, w.loads = scene.loads;
+  for (const SkinLoad& l : scene.loads)
+    if (scene.load_level > 0)
+      w.fine.push_back({l.at, l.at, l.radius_mm + kAroundLoad_mm, FineZone{}.depth_mm, scene.load_level});
   w.seed = scene.seed;
   return w;
 }

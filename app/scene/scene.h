@@ -79,6 +79,7 @@ struct Scene {
   Vec3 gravity_m_s2 = Vec3::Zero();  // WorldSpec
   std::vector<SkinLoad> loads;
   std::vector<int> load_line;  // where in the file each stands
+  int load_level = 1;          // halvings of the cells around each
 
   int iterations_per_step = 10;
   double steps_per_s = 60;

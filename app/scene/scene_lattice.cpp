@@ -22,13 +22,6 @@ std::string sizes(double cell_mm) {
          " mm, an eighth of cell_mm to it";
 }
 
-int read_level(Table& t, const char* key, double cell_mm, double size_mm) {
-  constexpr double kRounding = 1e-4;
-  if (size_mm > cell_mm * (1 + kRounding) || size_mm < cell_mm / (1 << kLevels) * (1 - kRounding))
-    t.fail(key, "is " + number(size_mm) + sizes(cell_mm));
-  return halvings(cell_mm, size_mm);
-}
-
 // About how many cells a zone is divided into.
 double cells_of(const FineZone& z, double cell_mm) {
   const double size = cell_mm / double(1 << z.level), deep = std::min(z.depth_mm, z.radius_mm);
@@ -70,6 +63,13 @@ void read_fine(Table& lattice, const std::string& file, Scene& s) {
 }
 
 }  // namespace
+
+int read_level(Table& t, const char* key, double cell_mm, double size_mm) {
+  constexpr double kRounding = 1e-4;
+  if (size_mm > cell_mm * (1 + kRounding) || size_mm < cell_mm / (1 << kLevels) * (1 - kRounding))
+    t.fail(key, "is " + number(size_mm) + sizes(cell_mm));
+  return halvings(cell_mm, size_mm);
+}
 
 void read_lattice(const toml::table& root, const std::string& file, Scene& s) {
   Table t = section(root, "lattice", file);

@@ -14,6 +14,10 @@
 
 namespace limberg {
 
+/// A size of cells as so many halvings of cell_mm, the nearest by ratio; fails on one that is larger than cell_mm or
+/// smaller than an eighth of it.
+int read_level(Table& table, const char* key, double cell_mm, double size_mm);
+
 /// Into `scene`, whose body has been read.
 void read_lattice(const toml::table& root, const std::string& file, Scene& scene);
 

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "app/scene/scene_lattice.h"
 #include "sim/body/skin.h"
 
 namespace limberg {
@@ -38,6 +39,9 @@ void read_sides(Table& body, Scene& s) {
 void read_loads(const toml::table& root, const std::string& file, Scene& s) {
   Table t = section(root, "loads", file);
   t.vector("gravity_m_s2", s.gravity_m_s2, 100);
+  double size_mm = 0.5 * s.cell_mm;
+  t.real("cell_mm", size_mm, 0, 100, true);
+  s.load_level = read_level(t, "cell_mm", s.cell_mm, size_mm);
   if (const toml::node* n = t.node("patches")) {
     const toml::array* list = n->as_array();
     if (!list) t.fail("patches", "is no list; expected [{at_mm = [x, y], force_N = [x, y, z], radius_mm}, ...]");

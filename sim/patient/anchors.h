@@ -18,9 +18,9 @@ struct Anchor {
   int32_t origin = -1;  // triangle of the body's original surface
   SurfacePoint at;
   EmbeddedPoint embedded;
-  double bite_mm = 0;  // of a stitch: how far along the edge to either side it holds
-  // places whose mean it holds, of a stitch along the edge, of a hook under its tip; empty: one place
-  std::vector<EmbeddedPoint> wide;
+  double bite_mm = 0;  // of a stitch: how far from it, along its wound's edge and behind it, it holds
+  // places whose mean it holds, of a stitch in its bite, of a hook under its tip; empty: one place
+  std::vector<HeldPlace> wide;
   // of a wall at rest, out of the tissue: tells the two walls of a cut apart. Zero: on the skin
   Vec3 wall_normal = Vec3::Zero();
   bool in_wall() const { return !wall_normal.isZero(0); }

@@ -7,9 +7,10 @@
 namespace limberg {
 namespace {
 
-constexpr int kTipPlaces = 6;
-// 1/7 of a ring's places lie in the middle, so 6/7 (x r)^2 = r^2 / 2.
-const double kTipRing = std::sqrt(7.0 / 12);
+constexpr std::array<int, 3> kTipRing{6, 12, 24};  // places
+constexpr int kBiteRays = 32;                      // of a whole turn; 4, 8, 16, ...
+constexpr int kBiteRings =
+    6;  // at .875 mm of cells and a bite of 2 mm more of both change a force by .1 % (2026-11-26)
 // A walk starts this much of the way to its triangle's centroid, so that it starts at no edge and at no corner.
 constexpr double kOffEdge = 1e-3;
 constexpr int kMostCrossed = 1000;  // of one walk
@@ -27,9 +28,9 @@ Vec3 place_of(const SurfaceView& v, const SurfacePoint& p) {
 
 }  // namespace
 
-SkinWalk::SkinWalk(const SurfaceView& view, const Vec3& middle, double reach) : view_(view) {
+SkinWalk::SkinWalk(const SurfaceView& view, const Vec3& middle, double reach, FaceKind kind) : view_(view) {
   for (int32_t t = 0; size_t(t) < view.tri.size(); ++t) {
-    if (view.kind[size_t(t)] != FaceKind::skin) continue;
+    if (view.kind[size_t(t)] != kind) continue;
     const Vec3 a = corner_of(view, t, 0), b = corner_of(view, t, 1), c = corner_of(view, t, 2);
     const Vec3 low = a.cwiseMin(b).cwiseMin(c), high = a.cwiseMax(b).cwiseMax(c);
     if ((low - middle).maxCoeff() > reach || (middle - high).maxCoeff() > reach) continue;
@@ -88,22 +89,83 @@ std::optional<SurfacePoint> SkinWalk::ahead(const SurfacePoint& from, Vec3 d, do
   return std::nullopt;
 }
 
+namespace {
+
+// Unit vectors at n even angles, the first half of one from x, without the sines of a machine's own library: those of
+// half an angle are square roots. `n`: 4, 8, 16, ... or 6, 12, 24, ...
+std::vector<Vec2> even_turn(int n) {
+  double c = n % 3 ? 0 : 0.5, s = n % 3 ? 1 : std::sqrt(0.75);  // of a quarter or a sixth of a turn
+  for (int parts = n % 3 ? 4 : 6; parts < 2 * n; parts *= 2) {
+    const double half = std::sqrt(0.5 * (1 + c));
+    s = 0.5 * s / half, c = half;
+  }
+  const Vec2 step(c * c - s * s, 2 * c * s);
+  std::vector<Vec2> turn{Vec2(c, s)};
+  while (int(turn.size()) < n) {
+    const Vec2& t = turn.back();
+    turn.push_back(Vec2(t.x() * step.x() - t.y() * step.y(), t.x() * step.y() + t.y() * step.x()));
+  }
+  return turn;
+}
+
+// Axes in a triangle's plane; x along a wound's edge that the place lies on.
+std::array<Vec3, 2> axes_at(const SurfaceView& view, const SurfacePoint& p) {
+  const Vec3 normal = up_of(view, p.triangle);
+  Eigen::Index flattest = 0;
+  normal.cwiseAbs().minCoeff(&flattest);
+  Vec3 e1 = Vec3::Unit(flattest);
+  double off = 1e-6;
+  for (int k = 0; k < 3; ++k) {
+    const double beside = p.bary[(k + 2) % 3];
+    if (!(view.rim[size_t(p.triangle)] >> k & 1) || !(beside < off)) continue;
+    e1 = corner_of(view, p.triangle, k + 1) - corner_of(view, p.triangle, k), off = beside;
+  }
+  e1 = (e1 - e1.dot(normal) * normal).normalized();
+  return {e1, normal.cross(e1)};
+}
+
+}  // namespace
+
 std::vector<SurfacePoint> skin_patch(const SurfaceView& view, const SurfacePoint& middle, double radius_mm) {
   std::vector<SurfacePoint> places{middle};
   if (!(radius_mm > 0)) return places;
   const SkinWalk walk(view, place_of(view, middle), radius_mm);
-  const Vec3 normal = up_of(view, middle.triangle);
-  Eigen::Index flattest = 0;
-  normal.cwiseAbs().minCoeff(&flattest);
-  Vec3 e1 = Vec3::Unit(flattest);
-  e1 = (e1 - e1.dot(normal) * normal).normalized();
-  const Vec3 e2 = normal.cross(e1);
-  // Cosines and sines of sixths of a turn, the same on every machine.
-  const double half = 0.5, high = std::sqrt(0.75);
-  const std::array<Vec2, kTipPlaces> turn{Vec2(1, 0), {half, high},   {-half, high},
-                                          {-1, 0},    {-half, -high}, {half, -high}};
-  for (const Vec2& to : turn)
-    if (const auto p = walk.ahead(middle, to[0] * e1 + to[1] * e2, kTipRing * radius_mm)) places.push_back(*p);
+  const auto [e1, e2] = axes_at(view, middle);
+  // All places have the same part of the disc's area, r^2 / all; a ring's distance squared is the mean over its part,
+  // and by 1 / all^2 more, for the middle has none.
+  constexpr double all = 1 + kTipRing[0] + kTipRing[1] + kTipRing[2];
+  double within = 1;
+  for (const int n : kTipRing) {
+    const double way = radius_mm * std::sqrt((within + 0.5 * n) * all / (all * all - 1));
+    for (const Vec2& to : even_turn(n))
+      if (const auto p = walk.ahead(middle, to[0] * e1 + to[1] * e2, way)) places.push_back(*p);
+    within += n;
+  }
+  return places;
+}
+
+std::vector<PatchPlace> bite_patch(const SurfaceView& view, const SurfacePoint& middle, double radius_mm) {
+  const Vec3 X = place_of(view, middle);
+  const SkinWalk walk(view, X, radius_mm, view.kind[size_t(middle.triangle)]);
+  const auto [e1, e2] = axes_at(view, middle);
+  std::vector<PatchPlace> places;
+  std::vector<Vec3> linear;  // 1 and the place in the plane of the middle, in units of the radius
+  Mat3 M = Mat3::Zero();
+  for (const Vec2& to : even_turn(kBiteRays))
+    for (int ring = 0; ring < kBiteRings; ++ring) {
+      const double way = (ring + 0.5) / kBiteRings;
+      const auto at = walk.ahead(middle, to[0] * e1 + to[1] * e2, way * radius_mm);
+      if (!at) break;  // nothing beyond a wound's edge
+      const Vec3 d = (place_of(view, *at) - X) / radius_mm;
+      places.push_back({*at, way});  // the area goes with the distance
+      linear.emplace_back(1, d.dot(e1), d.dot(e2));
+      M += way * linear.back() * linear.back().transpose();
+    }
+  // Of all shares m_i (l . p_i) with sum 1 and no first moment: M l = (1, 0, 0).
+  const Eigen::CompleteOrthogonalDecomposition<Mat3> solve(M);
+  const Vec3 l = solve.solve(Vec3::UnitX());
+  if (places.empty() || !((M * l - Vec3::UnitX()).norm() < 1e-6)) return {{middle, 1}};
+  for (size_t i = 0; i < places.size(); ++i) places[i].share *= l.dot(linear[i]);
   return places;
 }
 

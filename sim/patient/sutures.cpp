@@ -15,7 +15,6 @@ constexpr double kSamePlace_mm = 0.5;  // two stitches nearer than this at both 
 constexpr double kPick_mm = 5;         // a stitch is meant that is this near to the place pointed at
 constexpr int kMostStitches = 500;     // of one row
 constexpr double kMet_mm = 0.2;        // edges nearer than this have met
-constexpr int kBitePlaces = 5;         // that stand for a bite
 constexpr double kTear_N = 5.9;        // knot-pull strength of USP 4-0: no thread is drawn harder
 
 std::string mm(double v) { return fmt::format("{:.4g} mm", v); }
@@ -102,16 +101,13 @@ std::optional<size_t> Sutures::find_stitch(const StitchPick& pick, std::string& 
   return best;
 }
 
-// A needle takes a bite, not a point: what it pulls reaches the edge spread over about as much as it is behind it. A
-// point would cut the deeper into its cell the smaller that is. A bite in a wall holds one place.
+// A needle takes a bite, not a point (bite_patch()). In a wall there is half as much room around it.
 void Sutures::widen(Anchor& anchor) const {
   anchor.wide.clear();
-  if (anchor.in_wall() || !(anchor.bite_mm > 0)) return;
-  const auto spot = spot_on(tissue_.rim(), *tissue_.version().index, anchor);
-  if (!spot) return;
-  for (int k = -kBitePlaces / 2; k <= kBitePlaces / 2; ++k)
-    if (const auto at = tissue_.rim().along(*spot, anchor.bite_mm * 2 * k / kBitePlaces))
-      anchor.wide.push_back(tissue_.embed(*at));
+  if (!(anchor.bite_mm > 0)) return;
+  SurfacePoint at = anchor.at;
+  if (const auto spot = spot_on(tissue_.rim(), *tissue_.version().index, anchor)) at = tissue_.rim().point(*spot);
+  anchor.wide = tissue_.embed_bite(at, anchor.in_wall() ? 0.5 * anchor.bite_mm : anchor.bite_mm);
 }
 
 namespace {

@@ -92,9 +92,16 @@ EmbeddedPoint Tissue::embed(const SurfacePoint& p) const {
   return embed_point(*version_.lattice, version_.surface->view, p.triangle, {p.bary.x(), p.bary.y(), p.bary.z()});
 }
 
-std::vector<EmbeddedPoint> Tissue::embed_patch(const Anchor& anchor, double radius_mm) const {
-  std::vector<EmbeddedPoint> out;
+std::vector<HeldPlace> Tissue::embed_patch(const Anchor& anchor, double radius_mm) const {
+  std::vector<HeldPlace> out;
   for (const SurfacePoint& p : skin_patch(version_.surface->view, anchor.at, radius_mm)) out.push_back(embed(p));
+  return out;
+}
+
+std::vector<HeldPlace> Tissue::embed_bite(const SurfacePoint& at, double radius_mm) const {
+  std::vector<HeldPlace> out;
+  for (const auto& [place, share] : bite_patch(version_.surface->view, at, radius_mm))
+    out.emplace_back(embed(place), share);
   return out;
 }
 
@@ -109,8 +116,9 @@ bool Tissue::carry(Anchor& anchor) const {
 Vec3 Tissue::held_mm(const Anchor& a) const {
   if (a.wide.empty()) return position_mm(a.embedded);
   Vec3 sum = Vec3::Zero();
-  for (const EmbeddedPoint& p : a.wide) sum += position_mm(p);
-  return sum / double(a.wide.size());
+  double all = 0;
+  for (const HeldPlace& p : a.wide) sum += p.share * position_mm(p), all += p.share;
+  return sum / all;
 }
 
 const RimWalk& Tissue::rim() const {

@@ -48,7 +48,9 @@ class Tissue {
   std::optional<Anchor> find_anchor(const ChartPoint& p, bool on_rim, std::string& reason) const;
   EmbeddedPoint embed(const SurfacePoint& p) const;
   /// The places of the patch of skin around it that share what acts there (skin_patch.h).
-  std::vector<EmbeddedPoint> embed_patch(const Anchor& anchor, double radius_mm) const;
+  std::vector<HeldPlace> embed_patch(const Anchor& anchor, double radius_mm) const;
+  /// Those of a stitch's bite whose middle is at `at` (bite_patch()).
+  std::vector<HeldPlace> embed_bite(const SurfacePoint& at, double radius_mm) const;
   /// The same anchor on the present version; false: its tissue is gone.
   bool carry(Anchor& anchor) const;
   Vec3 position_mm(const EmbeddedPoint& e) const { return solver_->position_mm(e); }

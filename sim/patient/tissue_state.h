@@ -72,6 +72,10 @@ void fields(const EmbeddedPoint& p, V&& v) {
   v(node, w);
 }
 template <class V>
+void fields(const HeldPlace& p, V&& v) {
+  v(p.node, p.w, p.share);
+}
+template <class V>
 void fields(const Anchor& a, V&& v) {
   const auto& [X_mm, hint_mm, origin, at, embedded, bite_mm, wide, wall_normal] = a;
   v(X_mm, hint_mm, origin, at, embedded, bite_mm, wide, wall_normal);

@@ -28,7 +28,7 @@ struct FineZone {
 struct SkinLoad {
   ChartPoint at{0, 0};
   Vec3 force_N = Vec3::Zero();
-  double radius_mm = 2;  // of the patch, seven places of which share the force (skin_patch.h); 0: a point
+  double radius_mm = 2;  // of the patch, 43 places of which share the force (skin_patch.h); 0: a point
   bool operator==(const SkinLoad&) const = default;
 };
 
@@ -36,8 +36,8 @@ struct WorldSpec {
   std::shared_ptr<const Body> body;
   double cell_mm = 3.5;
   double suture_k_N_per_mm = 20;
-  // A stitch holds the mean of its wound's edge over so much to either side; 0: one point of it. A needle goes in and
-  // out about 2 mm behind the edge, and presses on about as much of it.
+  // A stitch holds the skin so far from it, along its wound's edge and behind it (skin_patch.h); 0: one point of the
+  // edge. A needle goes in and out about 2 mm behind the edge, and presses on about as much along it.
   double suture_bite_mm = 2;
   double hook_k_N_per_mm = 0.5;
   double hook_tip_mm = 2;  // radius of the piece of skin that a hook holds, as one with two teeth does; 0: a point

@@ -126,11 +126,13 @@ struct ReferenceElasticity::Impl {
       Vec3 r = -s.target_mm;
       auto visit = [&](auto&& f) {
         for (int side = 0; side < (s.to_world ? 1 : 2); ++side) {
-          const std::span<const EmbeddedPoint> end = side ? s.held_b() : s.held_a();
-          for (const EmbeddedPoint& p : end) {
+          const std::span<const HeldPlace> end = side ? s.held_b() : s.held_a();
+          double all = 0;
+          for (const HeldPlace& p : end) all += p.share;
+          for (const HeldPlace& p : end) {
             const double sum = std::accumulate(p.w.begin(), p.w.end(), 0.0);
             for (size_t i = 0; i < 8; ++i)
-              if (p.w[i] != 0) f(size_t(p.node[i]), (side ? -1 : 1) * double(p.w[i]) / (sum * double(end.size())));
+              if (p.w[i] != 0) f(size_t(p.node[i]), (side ? -1 : 1) * p.share * double(p.w[i]) / (sum * all));
           }
         }
       };

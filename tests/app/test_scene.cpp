@@ -50,7 +50,8 @@ TEST(Scene, ShippedBlocksLoad) {
     EXPECT_EQ(body->layers[1].thickness_mm, 8.5);
     EXPECT_DOUBLE_EQ(body->layers[1].material.density_kg_mm3, 920e-9);
     const WorldSpec w = world_spec(s, body);
-    EXPECT_EQ(w.cell_mm, 3.5);
+    EXPECT_EQ(w.cell_mm, 5);
+    EXPECT_EQ(w.wound_level, 2);
     EXPECT_EQ(w.body, body);
   }
   const Scene a = load_scene(kScenes + "rhomboid.toml"), b = load_scene(kScenes + "zplasty.toml");
@@ -157,6 +158,7 @@ TEST(Scene, EveryMistakeIsNamedWithItsLine) {
       {kGood + "[loads]\ngravity_m_s2 = 9.81\n", 13, "three numbers"},
       {kGood + "[loads]\ngravity_m_s2 = [0, 0, 1e3]\n", 13, "at most 100"},
       {kGood + "[loads]\ngravity = [0, 0, 1]\n", 13, "unknown key \"gravity\" in [loads]; expected gravity_m_s2"},
+      {kGood + "[loads]\ncell_mm = 6\n", 13, "expected 0.25 to 2 mm, an eighth of cell_mm"},
       {kGood + "[loads]\npatches = 1\n", 13, "loads.patches is no list"},
       {kGood + "[loads]\npatches = [1]\n", 13, "loads.patches 1 is no table"},
       {kGood + "[loads]\npatches = [{at_mm = [0, 0]}]\n", 13, "force_N is missing"},
@@ -245,6 +247,15 @@ patches = [
   ASSERT_EQ(w.loads.size(), 2u);
   EXPECT_TRUE((w.loads[0] == SkinLoad{{3, 4}, {0, 0, -0.5}, 5}));
   EXPECT_TRUE((w.loads[1] == SkinLoad{{-3, 4}, {1, 0, 0}, 2}));
+  // Smaller cells around each load, unless the scene says otherwise.
+  ASSERT_EQ(w.fine.size(), 2u);
+  EXPECT_TRUE((w.fine[0] == FineZone{{3, 4}, {3, 4}, 13, FineZone{}.depth_mm, 1}));
+  const std::string one = "patches = [{at_mm = [0, 0], force_N = [0, 0, 1]}]\n";
+  for (const auto& [cell_mm, zones, level] : {std::tuple("2", 0, 0), {"1", 1, 1}, {"0.5", 1, 2}}) {
+    const Scene of = parse_scene(kGood + "[loads]\ncell_mm = " + cell_mm + "\n" + one, "s.toml");
+    ASSERT_EQ(world_spec(of, build_body(of)).fine.size(), size_t(zones)) << cell_mm;
+    EXPECT_EQ(of.load_level, level) << cell_mm;
+  }
   const WorldSpec plain = world_spec(parse_scene(kGood, "s.toml"), build_body(parse_scene(kGood, "s.toml")));
   EXPECT_TRUE(plain.gravity_m_s2.isZero(0) && plain.loads.empty() && plain.body->sliding_sides == 0);
   try {

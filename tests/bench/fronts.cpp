@@ -67,8 +67,8 @@ class Banks {
       if (view.kind[t] == FaceKind::wall) wall_.push_back(int32_t(t));
   }
   /// Points of the wall at (x, z): one per bank, or more on an edge of its triangles; none beyond it.
-  std::vector<EmbeddedPoint> at(double x, double z) const {
-    std::vector<EmbeddedPoint> bank;
+  std::vector<HeldPlace> at(double x, double z) const {
+    std::vector<HeldPlace> bank;
     for (int32_t t : wall_) {
       const Tri& v = view_.tri[size_t(t)];
       const Vec3 &a = view_.X_mm[size_t(v[0])], &b = view_.X_mm[size_t(v[1])], &c = view_.X_mm[size_t(v[2])];

@@ -49,7 +49,7 @@ struct LayerAnswer {
 };
 LayerAnswer answer(const LayerCase& c, double h, double skin_kPa, double nu) {
   const FemModel m = block(c, h, skin_kPa, nu);
-  std::vector<EmbeddedPoint> at;
+  std::vector<HeldPlace> at;
   std::vector<Vec3> X;
   constexpr double step = 0.75;  // the same points on every mesh, in the middle of squares
   if (c.load == Load::hook) {

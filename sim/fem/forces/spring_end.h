@@ -9,12 +9,14 @@ namespace limberg::fem {
 /// Calls visit(node, weight) for the nodes of every place; a node that carries two places comes twice. The weights sum
 /// to 1 in double precision (those of a place, in single precision, only nearly do).
 template <class Visit>
-void for_each_weight(std::span<const EmbeddedPoint> end, Visit&& visit) {
-  for (const EmbeddedPoint& p : end) {
+void for_each_weight(std::span<const HeldPlace> end, Visit&& visit) {
+  double all = 0;
+  for (const HeldPlace& p : end) all += p.share;
+  for (const HeldPlace& p : end) {
     double sum = 0;
     for (float x : p.w) sum += double(x);
     for (size_t i = 0; i < 8; ++i)
-      if (p.w[i] != 0) visit(p.node[i], double(p.w[i]) / (sum * double(end.size())));
+      if (p.w[i] != 0) visit(p.node[i], p.share * double(p.w[i]) / (sum * all));
   }
 }
 

@@ -14,7 +14,7 @@ SpringForces::SpringForces(const FemModel& model, std::span<const Spring> spring
     Item it;
     it.id = s.id;
     it.k = s.k_N_per_mm * 1000;
-    auto add = [&](std::span<const EmbeddedPoint> end, double sign) {
+    auto add = [&](std::span<const HeldPlace> end, double sign) {
       const size_t first = it.node.size();
       for_each_weight(end, [&](int32_t node, double share) {
         const double w = sign * share;

@@ -176,14 +176,23 @@ struct EmbeddedPoint {
   bool operator==(const EmbeddedPoint&) const = default;
 };
 
+/// One of the places that hold or bear something together. In their mean it counts `share`, in units of all shares;
+/// shares below 0 are allowed (a mean that stands for a place beside the others), their sum is above 0.
+struct HeldPlace : EmbeddedPoint {
+  double share = 1;
+  HeldPlace() = default;
+  HeldPlace(const EmbeddedPoint& point, double counts = 1) : EmbeddedPoint(point), share(counts) {}
+  bool operator==(const HeldPlace&) const = default;
+};
+
 /// A zero-length embedded spring: point a to point b (a suture), or point a to a place in the world (a hook).
 struct Spring {
   int32_t id = 0;
-  EmbeddedPoint a, b;
+  HeldPlace a, b;
   // Not empty: this end holds the mean of these places instead of one (a point load has no limit as cells get smaller).
-  std::vector<EmbeddedPoint> a_wide, b_wide;
-  std::span<const EmbeddedPoint> held_a() const { return a_wide.empty() ? std::span(&a, 1) : std::span(a_wide); }
-  std::span<const EmbeddedPoint> held_b() const { return b_wide.empty() ? std::span(&b, 1) : std::span(b_wide); }
+  std::vector<HeldPlace> a_wide, b_wide;
+  std::span<const HeldPlace> held_a() const { return a_wide.empty() ? std::span(&a, 1) : std::span(a_wide); }
+  std::span<const HeldPlace> held_b() const { return b_wide.empty() ? std::span(&b, 1) : std::span(b_wide); }
   bool to_world = false;
   // to_world: the place that pulls a. Otherwise the gap still allowed, a - b at rest: zero once a stitch is tight.
   Vec3 target_mm = Vec3::Zero();
@@ -195,10 +204,10 @@ struct Spring {
   double thread_mm = 0;
 };
 
-/// A dead force on the tissue: it keeps size and direction, whatever moves. Its places share it evenly (a point load
-/// has no limit as cells get smaller).
+/// A dead force on the tissue: it keeps size and direction, whatever moves. Its places share it (a point load has no
+/// limit as cells get smaller).
 struct DeadLoad {
-  std::vector<EmbeddedPoint> at;  // one at least
+  std::vector<HeldPlace> at;  // one at least
   Vec3 force_mN = Vec3::Zero();
 };
 

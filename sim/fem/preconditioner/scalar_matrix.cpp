@@ -64,7 +64,7 @@ SpringRow spring_row(const FemModel& model, const Spring& s) {
   r.id = s.id;
   r.k_mN_per_mm = s.k_N_per_mm * 1000;
   std::map<int32_t, double> w;
-  auto add = [&](std::span<const EmbeddedPoint> end, double sign, Vec3& rest) {
+  auto add = [&](std::span<const HeldPlace> end, double sign, Vec3& rest) {
     for_each_weight(end, [&](int32_t node, double v) {
       rest += v * model.X_mm[size_t(node)];
       if (const HangingNode* h = hanging_at(model, node)) {

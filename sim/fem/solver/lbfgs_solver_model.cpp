@@ -107,7 +107,7 @@ void LbfgsSolver::set_springs(std::span<const Spring> springs) {
   if (!model_) throw InputError("", 0, "springs were given before a model");
   const int32_t n = int32_t(model_->X_mm.size());
   for (const Spring& s : springs) {
-    const auto there = [&](std::span<const EmbeddedPoint> end) {
+    const auto there = [&](std::span<const HeldPlace> end) {
       return std::all_of(end.begin(), end.end(), [&](const EmbeddedPoint& p) {
         return std::all_of(p.node.begin(), p.node.end(), [&](int32_t i) { return i >= 0 && i < n; });
       });

@@ -203,7 +203,7 @@ TEST(ElasticSolver, AWideStitchBringsTheMeansTogether) {
   StepSettings st;
   st.max_iterations = 400, st.tolerance = 3e-6;
   EXPECT_TRUE(solver->step(st).converged);
-  const auto mean = [&](const std::vector<EmbeddedPoint>& end) {
+  const auto mean = [&](const std::vector<HeldPlace>& end) {
     Vec3 sum = Vec3::Zero();
     for (const EmbeddedPoint& p : end) sum += solver->position_mm(p);
     return Vec3(sum / double(end.size()));

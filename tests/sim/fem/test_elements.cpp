@@ -48,6 +48,7 @@ std::vector<Spring> some_springs(const FemModel& m) {
   wide.id = 3, wide.k_N_per_mm = 0.05;
   for (double x : {-2.0, 0.0, 2.5})
     wide.a_wide.push_back(embed(m, {x, 2, 5})), wide.b_wide.push_back(embed(m, {x, -2, 4}));
+  wide.a_wide[0].share = -0.6, wide.b_wide[1].share = 3;
   return {a, b, wide};
 }
 

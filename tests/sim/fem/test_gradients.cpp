@@ -56,6 +56,7 @@ TEST(Gradients, Springs) {
   bite.id = 3, bite.k_N_per_mm = 1.3;
   for (double y : {-2.0, 0.0, 1.5})
     bite.a_wide.push_back(embed(m, {-1, y, 9})), bite.b_wide.push_back(embed(m, {3, y, 8}));
+  bite.a_wide[1].share = 2.5, bite.b_wide[2].share = -0.4;
   const std::vector<Spring> springs = {hook, stitch, bite};
   const fem::SpringForces forces(m, springs);
   check(m, 1e-2, 1e-4, [&](const NodeArray& u, NodeArray& g) {

@@ -66,7 +66,7 @@ inline double shear_energy(const SheetLattice& l) {
 /// Mean move (mm) of a square of 6 x 6 mm in the middle of the skin under a force of `force_N` spread evenly on it.
 inline Vec3 patch_move(const SheetLattice& l, const Vec3& force_N) {
   const double top = l.body->box_max_mm.z();
-  std::vector<EmbeddedPoint> held;
+  std::vector<HeldPlace> held;
   for (int j = 0; j < 12; ++j)
     for (int i = 0; i < 12; ++i) {
       const Vec3 X(-2.75 + 0.5 * i, -2.75 + 0.5 * j, top - 1e-6);

@@ -30,11 +30,12 @@ void expect_all_seen(const T& start, const std::vector<std::function<void(T&)>>&
 }
 
 TEST(TissueState, EveryFieldOfWhatHoldsTheTissueIsHashed) {
-  expect_all_seen<Anchor>({}, {[](Anchor& a) { a.X_mm.x() = 1; }, [](Anchor& a) { a.hint_mm.y() = 1; },
-                               [](Anchor& a) { a.origin = 3; }, [](Anchor& a) { a.at.triangle = 4; },
-                               [](Anchor& a) { a.at.bary.z() = 1; }, [](Anchor& a) { a.embedded.node[7] = 5; },
-                               [](Anchor& a) { a.embedded.w[7] = 5; }, [](Anchor& a) { a.bite_mm = 1; },
-                               [](Anchor& a) { a.wide.push_back({}); }, [](Anchor& a) { a.wall_normal.x() = 1; }});
+  expect_all_seen<Anchor>(
+      {}, {[](Anchor& a) { a.X_mm.x() = 1; }, [](Anchor& a) { a.hint_mm.y() = 1; }, [](Anchor& a) { a.origin = 3; },
+           [](Anchor& a) { a.at.triangle = 4; }, [](Anchor& a) { a.at.bary.z() = 1; },
+           [](Anchor& a) { a.embedded.node[7] = 5; }, [](Anchor& a) { a.embedded.w[7] = 5; },
+           [](Anchor& a) { a.bite_mm = 1; }, [](Anchor& a) { a.wide.push_back({}); },
+           [](Anchor& a) { a.wide.push_back({}), a.wide[0].share = -1; }, [](Anchor& a) { a.wall_normal.x() = 1; }});
   expect_all_seen<Hook>({}, {[](Hook& h) { h.id = 1; }, [](Hook& h) { h.spring = 1; },
                              [](Hook& h) { h.anchor.origin = 7; }, [](Hook& h) { h.handle_mm.z() = 1; }});
   expect_all_seen<Stitch>(
