@@ -14,8 +14,8 @@ namespace limberg {
 namespace {
 
 // What a surgeon asks of a closure (sim/measure/table.h).
-constexpr std::string_view kFigures[] = {"closure_force_N", "suture_force_max_N", "dog_ear_mm",
-                                         "wound_gape_mm",   "stress_p95_kPa",     "elongation"};
+constexpr std::string_view kFigures[] = {"closure_force_N",    "suture_force_max_N", "dog_ear_mm",
+                                         "wound_gape_mean_mm", "stress_p95_kPa",     "elongation"};
 
 }  // namespace
 

@@ -1,17 +1,23 @@
 #pragma once
 // What a figure would be on an infinitely fine lattice, from the figure at two or more cell sizes.
 //
-// With the three finest sizes h1 < h2 < h3 and f = f0 + c h^p, the observed order p solves
+// With three sizes or more f = f0 + c h^p is fitted by least squares, once with all sizes alike and once with the finer
+// the heavier, and the fit of less spread sigma is kept; three sizes that settle lie on it (Richardson). Where p is one
+// that the method has, .5 to 2 (trilinear cells give 2, next to a cut 1), the error is
 //
-//   (h3^p - h2^p) / (h2^p - h1^p) = (f3 - f2) / (f2 - f1)
+//   1.25 |f1 - f0| + sigma + |f1 - fit(h1)|
 //
-// whose left side rises with p (Richardson; for unequal ratios Celik et al., J. Fluids Eng. 130,
-// 2008, have the same equation in another form). Then f0 = f1 - (f2 - f1) h1^p / (h2^p - h1^p),
-// and the error is the grid convergence index: 1.25 times the distance to f0. Where that law does
-// not describe the figures (they swing, do not settle, or the order is not one that the method
-// has: trilinear cells give 2, next to a cut 1) nothing is extrapolated, the text says that the
-// sizes are not in the asymptotic range, and the error is three times the largest change among
-// the three. Two sizes: order 1 is taken for granted, with the factor 3 (Roache 1994).
+// with f1 at the finest size. Where it is not, p = 1 or 2 is taken for granted, whichever spreads less, with 3 for
+// 1.25, nothing is extrapolated, and the text says that the sizes are not in the asymptotic range. Where sigma exceeds
+// the mean change from size to size, all is multiplied by 3 sigma over that change, with 1 for 1.25 (Eca and Hoekstra,
+// J. Comput. Phys. 262, 2014, without their fit of h and h^2 together). Sizes in a ratio of 1.4 cannot tell orders 1
+// and 2 where values scatter: above order 1 the error is no less than a fit with p = 1 through the sizes up to twice
+// the finest gives, with 1 for 1.25. Two sizes: p = 1 with the factor 3 (Roache 1994).
+//
+// Does it cover? Twelve figures of the shipped rhomboid and Z-plasty at seven choices of three to five sizes of 7 to
+// 1.75 mm (2026-11-26): the value at 1.75 mm lay beyond the error in 0 of 154, a line through the four finest at h = 0
+// in 19. Three sizes by Richardson, 3.5 the highest order, three times the largest change else: in 19 and 42. Made-up
+// figures that scatter by up to a fifth of their error: 90 to 100 % covered.
 #include <optional>
 #include <span>
 #include <string>

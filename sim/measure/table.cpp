@@ -53,8 +53,9 @@ const Measure kTable[] = {
      Across::none,
      {},
      true},
+    // A force over a thread's stiffness, known better than where the tissue lies.
     {"suture_gap_max_mm", "mm", "largest gap of a stitch", "the largest distance between the two bites of a stitch",
-     "as gap_mm", LIMBERG_OF(m.suture_gap_max_mm), kLength, kSutureGap_mm},
+     "as gap_mm", LIMBERG_OF(m.suture_gap_max_mm), kFigure, kSutureGap_mm},
     {"suture_force_peak_N", "N", "largest suture force so far", "the largest of the stitches' peak forces", "as peak_N",
      LIMBERG_OF(m.suture_force_peak_N), Across::none, kSutureForce_N},
     {"sutures_over_2_5_N",
@@ -84,7 +85,9 @@ const Measure kTable[] = {
 
     // The wound
     {"wound_gape_mm", "mm", "wound gape", "distance across the wound from its rim; 95 % of the rim gape less",
-     "own rim within 3 mm is not looked at", LIMBERG_OF(m.wound_gape_mm), kLength, kWoundGape_mm},
+     "own rim within 3 mm is not looked at; edges bow between stitches over less than a cell, and the mean settles "
+     "sooner",
+     LIMBERG_OF(m.wound_gape_mm), kLength, kWoundGape_mm},
     {"wound_gape_max_mm", "mm", "wound gape, widest", "the same at its widest, round the ends of cuts too",
      "length of the rim's edges", LIMBERG_OF(m.gape.widest_mm), Across::none, kWoundGape_mm},
     {"wound_open_mm", "mm", "edge that is open",
@@ -92,7 +95,7 @@ const Measure kTable[] = {
      "no other edge",
      "length of the rim's edges", LIMBERG_OF(m.gape.open_mm)},
     {"wound_gape_mean_mm", "mm", "wound gape, mean", "mean distance across the wound from its rim", "as wound_gape_mm",
-     LIMBERG_OF(m.wound_gape_mean_mm)},
+     LIMBERG_OF(m.wound_gape_mean_mm), kLength},
     {"step_off_mm", "mm", "step-off",
      "part of that way that runs along the skin's normal: one edge higher than the other; 95 % of the rim less",
      "as wound_gape_mm", LIMBERG_OF(m.step_off_mm)},

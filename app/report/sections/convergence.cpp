@@ -44,9 +44,9 @@ html::Markup lattice_errors(const ReportData& d) {
     rows.push_back({html::code(name), quantity(e.value, ""), quantity(e.error, "", 2), quantity(e.extrapolated, ""),
                     quantity(e.order, "", 2), html::soft_cell(e.says)});
   return html::paragraph(
-             "What the lattice does to each figure: the finest value, its estimated error (grid convergence index), "
+             "What the lattice does to each figure: the finest value, its estimated error (Eça and Hoekstra, 2014), "
              "and what it tends to as the cells shrink. Where the sizes are not in the asymptotic range nothing is "
-             "extrapolated, and the error is three times the largest change.") +
+             "extrapolated, and the error is taken three times as large.") +
          html::table({"Figure", "finest", "±", "limit", "order", ""}, rows);
 }
 

@@ -8,16 +8,23 @@ namespace {
 
 constexpr double of_next = 0.7;
 
-double largest_move(const NodeArray& a, const NodeArray& b) {
+}  // namespace
+
+void DistanceEstimate::forget(size_t nodes, std::span<const int32_t> aside) {
+  known_ = 0;
+  counts_.assign(nodes, 1);
+  for (int32_t i : aside) counts_[size_t(i)] = 0;
+}
+
+double DistanceEstimate::largest_move(const NodeArray& a, const NodeArray& b) const {
   float most = 0;
   for (size_t i = 0; i < a.size(); ++i) {
+    if (!counts_[i]) continue;
     const float x = a[i].x - b[i].x, y = a[i].y - b[i].y, z = a[i].z - b[i].z;
     most = std::max(most, x * x + y * y + z * z);
   }
   return std::sqrt(double(most));
 }
-
-}  // namespace
 
 void DistanceEstimate::begin(const NodeArray& u) {
   if (known_ > 0 && past_[0].size() == u.size()) return;

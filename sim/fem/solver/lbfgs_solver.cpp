@@ -241,6 +241,7 @@ double LbfgsSolver::next_move_mm(const std::function<void(const NodeArray&, Node
     g = &g_try_;
   }
   direction(*g, metric);
+  for (int32_t i : of_slivers_) d_[size_t(i)] = {};
   return engine_.max_node(d_);
 }
 

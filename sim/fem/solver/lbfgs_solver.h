@@ -134,7 +134,7 @@ class LbfgsSolver final : public ElasticSolver {
   std::unique_ptr<ElementSystem> elements_;
   std::vector<int32_t> fixed_;       // nodes that are held whole
   std::vector<int32_t> sliding_;     // nodes that are held along some axes
-  std::vector<int32_t> of_slivers_;  // nodes of nearly empty cells only
+  std::vector<int32_t> of_slivers_;  // nodes of nearly empty cells only, beside fuller ones
   std::vector<Spring> springs_;
   SpringForces forces_;
   std::vector<Preconditioner::SpringEntry> spring_rows_;  // of springs_

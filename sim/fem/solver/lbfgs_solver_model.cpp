@@ -84,9 +84,19 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, const ParentL
   for (size_t i = 0; i < n; ++i)
     if (!model_->fixed[i].all()) force_floor_ += floor[i] * floor[i];
   force_floor_ = std::sqrt(force_floor_);
+  // Of tissue as thin everywhere nothing is a sliver: that has to hang on a fuller cell.
+  std::vector<char> aside(n, 1);
+  for (size_t chunk = 0; chunk < present.chunks(); ++chunk)
+    for (size_t k = 0; k < present.run_length(chunk); ++k) {
+      const HexCell& c = present.run(chunk)[k];
+      const bool hangs =
+          std::any_of(c.node.begin(), c.node.end(), [&](int32_t v) { return fullest[size_t(v)] >= sliver; });
+      if (!hangs)
+        for (int32_t v : c.node) aside[size_t(v)] = 0;
+    }
   of_slivers_.clear();
   for (size_t i = 0; i < n; ++i)
-    if (fullest[i] < sliver) of_slivers_.push_back(int32_t(i));
+    if (fullest[i] < sliver && aside[i]) of_slivers_.push_back(int32_t(i));
   for (NodeArray* a : {&g_, &d_, &u_try_, &g_try_}) a->resize(n);
   history_.resize(n, pairs());
   springs_.clear(), spring_rows_.clear();
@@ -99,7 +109,7 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, const ParentL
   force_scale_ = 0, since_update_ = 0;
   tangled_iterations_ = 0, untangling_ = false;
   scale_.forget(), pairs_are_plain_ = false;
-  distance_.forget();
+  distance_.forget(n, of_slivers_);
   publish();
 }
 

@@ -68,5 +68,29 @@ TEST(DistanceEstimate, IsNothingAtRestAndAfterUndo) {
   EXPECT_LT(solver->step({}).distance_mm, 1e-6);
 }
 
+// A corner that moves by millimetres counts, unless only a sliver hangs on it; where all is as thin, it counts again.
+TEST(DistanceEstimate, IsThatOfWhatIsMoreThanASliver) {
+  const auto stated_mm = [](float corner, float others) {
+    InlineWorkers workers;
+    BoxSpec b;
+    b.cells = {3, 3, 3}, b.size_mm = {9, 9, 9}, b.fix_bottom = true;
+    FemModel m = box_model(b);
+    Spring pull;
+    pull.id = 1, pull.to_world = true, pull.a = embed(m, {4.5, 4.5, 9}), pull.target_mm = {14.5, 4.5, 9};
+    pull.k_N_per_mm = 0.02 * double(corner);
+    for (HexCell& c : m.cells)
+      c.scale = (m.X_mm[size_t(c.node[7])] - Vec3(4.5, 4.5, 9)).norm() < 1e-9 ? corner : others;
+    const auto solver = make_solver(workers);
+    solver->set_model(std::make_shared<FemModel>(m), {});
+    solver->set_springs(std::span(&pull, 1));
+    StepSettings set;
+    set.max_iterations = 2;
+    return solver->step(set).distance_mm;
+  };
+  EXPECT_GT(stated_mm(0.25f, 1), 0.5);
+  EXPECT_LT(stated_mm(0.01f, 1), 0.1);
+  EXPECT_GT(stated_mm(0.1f, 0.1f), 0.5);
+}
+
 }  // namespace test_distance_estimate
 }  // namespace limberg
