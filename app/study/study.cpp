@@ -67,7 +67,7 @@ double Row::at(const std::string& name) const {
 }
 
 const std::vector<Family>& families() {
-  static const std::vector<Family> all{gape(),   disc(),     zplasty(),  plate(),
+  static const std::vector<Family> all{gape(),   stitches(), disc(),     zplasty(),      plate(),
                                        planar(), rhomboid(), fusiform(), place_scripts()};
   return all;
 }

@@ -66,6 +66,7 @@ struct Family {
 };
 
 Family gape();
+Family stitches();
 Family disc();
 const std::vector<Family>& families();
 /// InputError that lists the families when there is none of this name.

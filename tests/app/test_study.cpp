@@ -70,6 +70,35 @@ TEST(Study, AnUprightCutOpensEvenlyAndALeaningOneDoesNot) {
   EXPECT_NEAR(left.at("step_mm"), -right.at("step_mm"), 0.02 * left.at("gape_mid_mm"));
 }
 
+// Kinds of stitches: 0 single, 2 buried, 3 both.
+TEST(Study, EdgesGapeBetweenStitchesByTheirSpacingAndKind) {
+  auto gape = [](const char* kind, const char* spacing) {
+    return run("stitches", {kind, spacing, "prestretch_percent=10", "cell_mm=5", "halvings=3"}).at("gape_mean_mm");
+  };
+  const double at4 = gape("kind=0", "spacing_mm=4"), at6 = gape("kind=0", "spacing_mm=6");
+  EXPECT_GT(at4, 0.01);
+  EXPECT_GT(at6, 2 * at4);  // 3.2 times on 2026-11-27; bites of 2 mm hold all of 4
+  const double buried = gape("kind=2", "spacing_mm=4"), both = gape("kind=3", "spacing_mm=4");
+  EXPECT_GT(buried, at4);  // the skin above a buried stitch is not held
+  EXPECT_LT(both, at4);    // two rows, each with half of the tension
+}
+
+// The study's own bar: what two cells say of an endless row of cracks in a membrane, against the closed form.
+TEST(Study, AMembraneClosedByStitchesIsARowOfCracks) {
+  const Family& f = find_family("stitches");
+  std::vector<Row> rows;
+  for (const char* halvings : {"halvings=1", "halvings=2"})
+    rows.push_back(run("stitches", {"kind=0", "spacing_mm=20", "prestretch_percent=0.2", "cell_mm=5", "bite_mm=5",
+                                    "membrane=1", halvings}));
+  int judged = 0;
+  for (const Bar& b : f.bars(rows)) {
+    EXPECT_TRUE(b.pass) << b.name << ": " << b.value;
+    judged += b.name.find("row of cracks") != std::string::npos;
+  }
+  EXPECT_EQ(judged, 1);
+  EXPECT_LT(rows[0].at("gape_at_stitch_mm"), 0.1 * rows[0].at("gape_between_mm"));
+}
+
 // A wider Z-plasty gains more, stands up more and at the ends of its central limb; bars and charts take any rows.
 TEST(Study, AWiderZPlastyGainsMoreAndStandsUpMore) {
   const Family& f = find_family("zplasty");
