@@ -22,6 +22,7 @@
 #include "app/study/planar_law.h"
 #include "app/study/study.h"
 #include "app/study/wound.h"
+#include "sim/base/error.h"
 #include "sim/patient/soft_tissue.h"
 
 namespace limberg::study {
@@ -44,6 +45,7 @@ const std::vector<std::string> kStitchParameters = {
 
 constexpr double kStitchBlock_mm = 10, kStitchDepth_mm = 3, kBuriedDepth_mm = 1;
 constexpr double kStitchLength_mm = 36;       // about: an even number of spacings
+constexpr double kStitchesApart_mm = 0.6;     // of a membrane's stitches: two that are nearer than half a mm are one
 constexpr int kCracks = 3;                    // of the membrane: its sides are planes of symmetry of an endless row
 constexpr double kSmallStrain_percent = 0.5;  // 1 % makes the gape 2 % smaller than the linear law, 3 % 7 %
 
@@ -102,7 +104,7 @@ Script sewn(const Values& v, double y_mm, double fine_mm) {
   constexpr double aside_mm = 0.7;
   if (v[kStitchMembrane] != 0) {
     for (const double at : x) {
-      const int n = std::max(2, int(2 * v[kStitchBite] / 0.6));
+      const int n = std::max(2, int(2 * v[kStitchBite] / kStitchesApart_mm));
       for (int i = 0; i <= n; ++i) {
         const double s = at + v[kStitchBite] * (2.0 * i / n - 1);
         add(Suture{{s, y_mm + aside_mm}, {s, y_mm - aside_mm}, 0});
@@ -130,6 +132,12 @@ double cracks_mm(const Values& v) {
 }
 
 Row run_stitches(const Values& v, const Run& with) {
+  if (v[kStitchMembrane] != 0 && !(v[kStitchBite] >= kStitchesApart_mm && 2 * v[kStitchBite] < v[kStitchSpacing]))
+    throw InputError(
+        "", 0,
+        fmt::format("study stitches: a membrane's bite_mm is {:g}; expected {:g} or more and less than half of "
+                    "spacing_mm, which is {:g}",
+                    v[kStitchBite], kStitchesApart_mm, v[kStitchSpacing]));
   const double fine_mm = v[kStitchCell] / std::pow(2, v[kStitchHalvings]);
   const WorldSpec spec = skin_of(v, fine_mm);
   const double y_mm = 0.5 * fine_mm;  // halves the small cells
