@@ -106,10 +106,12 @@ DogEar dog_ear(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin&
 
 WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
   constexpr double kOwn_mm = 3, kTouch_mm = 2, kCos = 0.5, kFar_mm = 100;
+  constexpr double kBehind_mm = 3, kBehindCos = -0.05;  // at rest
   struct Rim {
     int32_t a, b;
     Vec3 p, q, out;  // now
     Vec3 up = Vec3::Zero();
+    Vec3 rest_middle = Vec3::Zero(), rest_out = Vec3::Zero();
     double length = 0;  // at rest
     int32_t loop = -1;
     double s = 0;  // arc length at rest of its middle along the loop
@@ -118,10 +120,14 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
   for (const auto& [t, k] : rim_edges(view)) {
     const int32_t a = view.tri[t][k], b = view.tri[t][(k + 1) % 3];
     const auto x = now(view, x_mm, t);
-    Rim r{a, b, x[k], x[(k + 1) % 3], Vec3::Zero(), Vec3::Zero(), (view.X_mm[size_t(b)] - view.X_mm[size_t(a)]).norm()};
+    Rim r{a, b, x[k], x[(k + 1) % 3], Vec3::Zero()};
     const Vec3 n = area_vector2(x[0], x[1], x[2]);
     if (n.norm() > 0) r.up = n.normalized();
     if (n.norm() > 0 && (r.q - r.p).norm() > 0) r.out = (r.q - r.p).cross(n).normalized();
+    const auto X = rest(view, t);
+    const Vec3 N = area_vector2(X[0], X[1], X[2]), E = X[(k + 1) % 3] - X[k];
+    r.rest_middle = X[k] + 0.5 * E, r.length = E.norm();
+    if (N.norm() > 0 && E.norm() > 0) r.rest_out = E.cross(N).normalized();
     rim.push_back(r);
   }
   // Loops: each rim edge is followed by one that starts where it ends.
@@ -158,33 +164,27 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
   for (const Rim& r : rim) {
     const Vec3 m = 0.5 * (r.p + r.q);
     double best = kFar_mm, step = 0;
-    double facing = kFar_mm;  // the other bank of its own edge, round the end of the cut
     for (const Rim& o : rim) {
       if ((0.5 * (o.p + o.q) - m).norm() - 0.5 * (o.q - o.p).norm() > best) continue;
-      bool own = false;
-      if (o.loop == r.loop) {
+      if (o.loop == r.loop && o.out.dot(r.out) >= 0) {
         const double along = std::abs(o.s - r.s);
-        own = std::min(along, loop_length[size_t(r.loop)] - along) < kOwn_mm;
-        if (own && !(o.out.dot(r.out) < 0)) continue;  // the same bank
+        if (std::min(along, loop_length[size_t(r.loop)] - along) < kOwn_mm) continue;  // the same bank
       }
+      // The other side of a flap's tip, or of a narrow strip, is no bank: at rest it lies behind one's back.
+      const Vec3 D = o.rest_middle - r.rest_middle;
+      if (D.norm() < kBehind_mm && D.dot(r.rest_out) < kBehindCos * D.norm()) continue;
       const Vec3 e = o.q - o.p;
       const double ee = e.squaredNorm(), t = ee > 0 ? std::clamp((m - o.p).dot(e) / ee, 0.0, 1.0) : 0;
       const Vec3 d = o.p + t * e - m;
       const double distance = d.norm();
-      if (own) {
-        facing = std::min(facing, distance);
-        continue;
-      }
       if (distance < best && (distance < kTouch_mm || d.dot(r.out) >= kCos * distance))
         best = distance, step = std::abs(d.dot(r.up));
     }
-    const double gape = best < kFar_mm ? best : 0;
     const Vec3 middle = 0.5 * (view.X_mm[size_t(r.a)] + view.X_mm[size_t(r.b)]);
-    const double open = std::min(best, facing);
-    if (open >= kFar_mm) g.lost_mm += r.length, lost_at = middle;
-    if (open > kOpen_mm) g.open_mm += r.length;
-    if (open < kFar_mm && open > g.widest_mm) g.widest_mm = open, g.widest_at_mm = middle;
-    gapes.push_back({open < kFar_mm ? gape : kFar_mm, r.length});
+    if (best >= kFar_mm) g.lost_mm += r.length, lost_at = middle;
+    if (best > kOpen_mm) g.open_mm += r.length;
+    if (best < kFar_mm && best > g.widest_mm) g.widest_mm = best, g.widest_at_mm = middle;
+    gapes.push_back({best, r.length});
     at.push_back({gapes.back().first, middle});
     steps.push_back({step, r.length});
     g.step_mean_mm += step * r.length;

@@ -33,7 +33,9 @@ std::vector<Vec3> rim_mm(const SurfaceView& view);
 /// The open wound. A rim is an edge between skin and cut wall. From each rim point one looks
 /// away from its own skin, within 60 degrees of the direction across the edge: the gape
 /// there is the distance to the nearest other rim seen, or to any other rim nearer than 2 mm
-/// (banks that lie over one another). Own rim within 3 mm along the edge does not count.
+/// (banks that lie over one another). Own rim within 3 mm along the edge counts only where the
+/// edge has turned back, as round the end of a cut; what lay behind its skin within 3 mm at rest,
+/// as the other side of a flap's tip, does not.
 struct WoundGape {
   double gape_mm = 0;        // which 95 % of the rim do not exceed
   double mean_mm = 0;        // over the length of the rim
@@ -44,7 +46,7 @@ struct WoundGape {
   double step_mm = 0, step_mean_mm = 0;
   Vec3 gape_at_mm = Vec3::Zero();  // where it gapes by gape_mm; rest place, as all of them
   // Widest place, and all that gapes by more than kOpen_mm or looks at no other edge at all (a flap that stands up or
-  // lies elsewhere): the length of edge at rest, both banks. Round the end of a cut its own other bank counts here.
+  // lies elsewhere): the length of edge at rest, both banks.
   double widest_mm = 0, open_mm = 0;
   Vec3 widest_at_mm = Vec3::Zero();
   double lost_mm = 0;  // of open_mm, what looks at no other edge

@@ -103,6 +103,53 @@ TEST(WoundGape, AStretchBetweenStitchesIsSeenWhere95PercentAreNot) {
   EXPECT_EQ(wound_gape(v, deformed(v, [](const Vec3& X) { return X; })).open_mm, 0);
 }
 
+// A cut of 20 mm with both its ends, closed and opened as a lens: there the other bank of the same edge is what one sees.
+TEST(WoundGape, RoundTheEndsOfACutTheOtherBankIsSeen) {
+  SurfaceView v = two_banks(20);
+  const auto half = int32_t(v.X_mm.size() / 2);
+  for (Tri& t : v.tri)
+    for (int32_t& i : t)
+      if (i == half + 1 || i == half + 3 * 20 + 1) i -= half;  // the banks' first and last points are one
+  const auto lens = [&](double width) {
+    auto x = deformed(v, [](const Vec3& X) { return X; });
+    for (int32_t j = 1; j < 20; ++j)
+      x[size_t(half + 3 * j + 1)].x() += float(width * std::sin(std::numbers::pi * j / 20));
+    return wound_gape(v, x);
+  };
+  const WoundGape closed = lens(0), open = lens(1.5);
+  EXPECT_EQ(closed.rim_length_mm, 40);
+  EXPECT_LT(closed.gape_mm, 1e-6);
+  EXPECT_LT(closed.mean_mm, 1e-6);
+  EXPECT_LE(open.gape_mm, open.widest_mm);
+  EXPECT_NEAR(open.widest_mm, 1.5, 0.02);
+  EXPECT_NEAR(open.mean_mm, 1.5 * 2 / std::numbers::pi, 0.05);  // of a sine; banks lean by up to 0.24
+  EXPECT_EQ(open.open_mm, 0);
+}
+
+// A flap's tip of 30 degrees that lies far from its wound: what is behind its edge's back is no other bank.
+TEST(WoundGape, TheOtherSideOfATipIsNoBank) {
+  SurfaceView v;
+  constexpr int n = 20;
+  v.X_mm = {Vec3(0, 0, 0), Vec3(0, 0, -3)};
+  for (int j = 1; j <= n; ++j)
+    for (const double side : {-1.0, 1.0})
+      for (const double z : {0.0, -3.0}) v.X_mm.push_back({side * j * std::tan(std::numbers::pi / 12), double(j), z});
+  const auto at = [](int j, int side) { return j == 0 ? 0 : 2 + 4 * (j - 1) + 2 * side; };
+  const auto add = [&](int a, int b, int c, FaceKind kind) { v.tri.push_back({a, b, c}), v.kind.push_back(kind); };
+  for (int j = 0; j < n; ++j) {
+    add(at(j, 0), at(j + 1, 1), at(j + 1, 0), FaceKind::skin);
+    if (j > 0) add(at(j, 0), at(j, 1), at(j + 1, 1), FaceKind::skin);
+    for (const int side : {0, 1}) {
+      int a = at(j, side), b = at(j + 1, side);
+      if (side == 1) std::swap(a, b);
+      add(a, b, b + 1, FaceKind::wall), add(a, b + 1, a + 1, FaceKind::wall);
+    }
+  }
+  const WoundGape g = wound_gape(v, deformed(v, [](const Vec3& X) { return X; }));
+  EXPECT_NEAR(g.rim_length_mm, 2 * n / std::cos(std::numbers::pi / 12), 1e-6);
+  EXPECT_NEAR(g.lost_mm, g.rim_length_mm, 1e-9);
+}
+
 TEST(WoundGape, AnEdgeThatLooksAtNoOtherIsOpen) {
   const SurfaceView v = two_banks(20);
   auto x = deformed(v, [](const Vec3& X) { return X; });
