@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "sim/base/union_find.h"
 #include "sim/geometry/polyline.h"
@@ -37,9 +38,14 @@ std::vector<std::pair<size_t, size_t>> rim_edges(const SurfaceView& view) {
 }
 
 // Which vertices belong to a piece that the body holds: one with a held face. A piece that nothing holds lies anywhere.
-std::vector<uint8_t> held(const SurfaceView& view) {
+UnionFind pieces_of(const SurfaceView& view) {
   UnionFind pieces(view.X_mm.size());
   for (const Tri& t : view.tri) pieces.unite(t[0], t[1]), pieces.unite(t[0], t[2]);
+  return pieces;
+}
+
+std::vector<uint8_t> held(const SurfaceView& view) {
+  UnionFind pieces = pieces_of(view);
   std::vector<uint8_t> piece(view.X_mm.size(), 0);
   bool any = false;
   for (size_t t = 0; t < view.tri.size(); ++t)
@@ -106,16 +112,19 @@ DogEar dog_ear(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin&
 
 WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
   constexpr double kOwn_mm = 3, kTouch_mm = 2, kCos = 0.5, kFar_mm = 100;
-  constexpr double kBehind_mm = 3, kBehindCos = -0.05;  // at rest
+  constexpr double kBehind_mm = 3, kBehindCos = 0.05, kSame_mm = 0.1;  // at rest
   struct Rim {
     int32_t a, b;
     Vec3 p, q, out;  // now
     Vec3 up = Vec3::Zero();
     Vec3 rest_middle = Vec3::Zero(), rest_out = Vec3::Zero();
-    double length = 0;  // at rest
+    double length = 0;   // at rest
+    int32_t piece = -1;  // of one that nothing holds
     int32_t loop = -1;
     double s = 0;  // arc length at rest of its middle along the loop
   };
+  UnionFind pieces = pieces_of(view);
+  const std::vector<uint8_t> attached = held(view);
   std::vector<Rim> rim;
   for (const auto& [t, k] : rim_edges(view)) {
     const int32_t a = view.tri[t][k], b = view.tri[t][(k + 1) % 3];
@@ -127,6 +136,7 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
     const auto X = rest(view, t);
     const Vec3 N = area_vector2(X[0], X[1], X[2]), E = X[(k + 1) % 3] - X[k];
     r.rest_middle = X[k] + 0.5 * E, r.length = E.norm();
+    if (!attached[size_t(a)]) r.piece = int32_t(pieces.find(a));
     if (N.norm() > 0 && E.norm() > 0) r.rest_out = E.cross(N).normalized();
     rim.push_back(r);
   }
@@ -161,10 +171,11 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
   std::vector<std::pair<double, Vec3>> at;
   Vec3 lost_at = Vec3::Zero();
   double sum = 0;
-  for (const Rim& r : rim) {
+  const auto look = [&](const Rim& r) {  // gape and step
     const Vec3 m = 0.5 * (r.p + r.q);
     double best = kFar_mm, step = 0;
     for (const Rim& o : rim) {
+      if (r.piece >= 0 && o.piece == r.piece) continue;
       if ((0.5 * (o.p + o.q) - m).norm() - 0.5 * (o.q - o.p).norm() > best) continue;
       if (o.loop == r.loop && o.out.dot(r.out) >= 0) {
         const double along = std::abs(o.s - r.s);
@@ -172,7 +183,7 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
       }
       // The other side of a flap's tip, or of a narrow strip, is no bank: at rest it lies behind one's back.
       const Vec3 D = o.rest_middle - r.rest_middle;
-      if (D.norm() < kBehind_mm && D.dot(r.rest_out) < kBehindCos * D.norm()) continue;
+      if (D.norm() < kBehind_mm && -D.dot(r.rest_out) > std::max(kSame_mm, kBehindCos * D.norm())) continue;
       const Vec3 e = o.q - o.p;
       const double ee = e.squaredNorm(), t = ee > 0 ? std::clamp((m - o.p).dot(e) / ee, 0.0, 1.0) : 0;
       const Vec3 d = o.p + t * e - m;
@@ -180,6 +191,20 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
       if (distance < best && (distance < kTouch_mm || d.dot(r.out) >= kCos * distance))
         best = distance, step = std::abs(d.dot(r.up));
     }
+    return std::pair(best, step);
+  };
+  std::vector<std::pair<double, double>> looks;
+  for (const Rim& r : rim) looks.push_back(look(r));
+  // A piece that nothing holds, and that lies at no other, was taken out: it may lie anywhere.
+  std::map<int32_t, double> nearest;
+  for (size_t i = 0; i < rim.size(); ++i) {
+    double& n = nearest.try_emplace(rim[i].piece, kFar_mm).first->second;
+    n = std::min(n, looks[i].first);
+  }
+  for (size_t i = 0; i < rim.size(); ++i) {
+    const Rim& r = rim[i];
+    const auto [best, step] = looks[i];
+    if (r.piece >= 0 && nearest[r.piece] > kOpen_mm) continue;
     const Vec3 middle = 0.5 * (view.X_mm[size_t(r.a)] + view.X_mm[size_t(r.b)]);
     if (best >= kFar_mm) g.lost_mm += r.length, lost_at = middle;
     if (best > kOpen_mm) g.open_mm += r.length;

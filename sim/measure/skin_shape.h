@@ -35,7 +35,8 @@ std::vector<Vec3> rim_mm(const SurfaceView& view);
 /// there is the distance to the nearest other rim seen, or to any other rim nearer than 2 mm
 /// (banks that lie over one another). Own rim within 3 mm along the edge counts only where the
 /// edge has turned back, as round the end of a cut; what lay behind its skin within 3 mm at rest,
-/// as the other side of a flap's tip, does not.
+/// as the other side of a flap's tip, does not. A piece that nothing holds, and that comes
+/// no nearer than 2 mm to another edge, was taken out and does not count.
 struct WoundGape {
   double gape_mm = 0;        // which 95 % of the rim do not exceed
   double mean_mm = 0;        // over the length of the rim

@@ -103,7 +103,7 @@ TEST(WoundGape, AStretchBetweenStitchesIsSeenWhere95PercentAreNot) {
   EXPECT_EQ(wound_gape(v, deformed(v, [](const Vec3& X) { return X; })).open_mm, 0);
 }
 
-// A cut of 20 mm with both its ends, closed and opened as a lens: there the other bank of the same edge is what one sees.
+// A cut of 20 mm with both its ends, closed and opened as a lens: round them one sees the other bank of the same edge.
 TEST(WoundGape, RoundTheEndsOfACutTheOtherBankIsSeen) {
   SurfaceView v = two_banks(20);
   const auto half = int32_t(v.X_mm.size() / 2);
@@ -148,6 +148,23 @@ TEST(WoundGape, TheOtherSideOfATipIsNoBank) {
   const WoundGape g = wound_gape(v, deformed(v, [](const Vec3& X) { return X; }));
   EXPECT_NEAR(g.rim_length_mm, 2 * n / std::cos(std::numbers::pi / 12), 1e-6);
   EXPECT_NEAR(g.lost_mm, g.rim_length_mm, 1e-9);
+}
+
+// A chip that was cut off and flew away is no open wound; one that lies in its place is looked at.
+TEST(WoundGape, AChipThatNothingHoldsAndThatLiesElsewhereIsNone) {
+  SurfaceView v = two_banks(20);
+  const auto half = int32_t(v.X_mm.size() / 2);
+  v.tri.push_back({0, 3, 6}), v.kind.push_back(FaceKind::fixed);  // the left bank is held, the right one is the chip
+  const auto away = [&](float by) {
+    auto x = deformed(v, [](const Vec3& X) { return X; });
+    for (size_t i = size_t(half); i < x.size(); ++i) x[i].x() += by;
+    return wound_gape(v, x);
+  };
+  const WoundGape lies = away(0.3f), gone = away(300);
+  EXPECT_NEAR(lies.rim_length_mm, 40, 1e-9);
+  EXPECT_NEAR(lies.gape_mm, 0.3, 1e-5);
+  EXPECT_NEAR(gone.rim_length_mm, 20, 1e-9);  // that of the bank it left behind
+  EXPECT_NEAR(gone.open_mm, 20, 1e-9);
 }
 
 TEST(WoundGape, AnEdgeThatLooksAtNoOtherIsOpen) {
