@@ -85,8 +85,8 @@ const Measure kTable[] = {
 
     // The wound
     {"wound_gape_mm", "mm", "wound gape", "distance across the wound from its rim; 95 % of the rim gape less",
-     "length of the rim's edges; between stitches an edge bows over less than a cell",
-     LIMBERG_OF(m.wound_gape_mm), kLength, kWoundGape_mm},
+     "length of the rim's edges; between stitches an edge bows over less than a cell", LIMBERG_OF(m.wound_gape_mm),
+     kLength, kWoundGape_mm},
     {"wound_gape_max_mm", "mm", "wound gape, widest", "the same at its widest, round the ends of cuts too",
      "length of the rim's edges", LIMBERG_OF(m.gape.widest_mm), Across::none, kWoundGape_mm},
     {"wound_open_mm", "mm", "edge that is open",
