@@ -28,6 +28,19 @@ void add_synthetic(const HeadScene& h, HeadParts& parts, Workers& workers) {
     if (h.face || !on_face(name)) parts.landmarks.push_back({name, at, on_face(name)});
 }
 
+/// A mesh from a file with its axes right, forwards and up.
+simplex::Mesh mesh_of(const Scene& scene, const std::string& file) {
+  using simplex::Axes;
+  simplex::Mesh m = simplex::load_mesh(file);
+  const Axes said = scene.head->axes;
+  if (said != Axes::unsaid && m.axes != Axes::unsaid && said != m.axes)
+    throw InputError(scene.path, 0,
+                     "head.axes says otherwise than " + file + " which way its axes point; expected no head.axes");
+  if (m.axes == Axes::unsaid) m.axes = said;
+  simplex::turn_to_head(m);
+  return m;
+}
+
 }  // namespace
 
 HeadParts head_parts(const Scene& scene, Workers& workers) {
@@ -38,8 +51,8 @@ HeadParts head_parts(const Scene& scene, Workers& workers) {
     add_synthetic(h, parts, workers);
   } else {
     for (const std::string& f : h.bone_files)
-      parts.bones.push_back({std::filesystem::path(f).stem().string(), simplex::load_mesh(f), false});
-    if (h.face) parts.face = simplex::load_mesh(h.face_file);
+      parts.bones.push_back({std::filesystem::path(f).stem().string(), mesh_of(scene, f), false});
+    if (h.face) parts.face = mesh_of(scene, h.face_file);
   }
   if (h.offset_mm != Vec3::Zero()) {
     std::vector<simplex::Mesh*> meshes{&parts.face};

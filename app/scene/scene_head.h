@@ -7,7 +7,8 @@
 //                    (sim/imaging/synthetic/head_shape.h)
 //                    files: bones = ["cranium.txt", ...] simplex meshes
 //                    relative to the scene file, the first of them fixed
-//                    unless "fixed" says otherwise; face = "face.txt"
+//                    unless "fixed" says otherwise; face = "face.txt"; axes = "lps" | "head" of meshes that do not say
+//                    which way theirs point (a fitted one does): left, posterior, superior, or right, forwards, up
 //                    both: offset_mm = [x, y, z], by which the head is shifted (to where the skin of a [body] lies),
 //                    fixed = ["cranium", ...] names of bones that do not
 //                    move (of a file: its stem), face = true | false,
@@ -23,6 +24,7 @@
 #include <vector>
 
 #include "sim/commands/head_command.h"
+#include "sim/skull/simplex/mesh.h"
 
 namespace limberg {
 
@@ -34,6 +36,7 @@ struct HeadScene {
          face_edge_mm = 5;
   std::vector<std::string> bone_files;  // resolved against the scene's folder
   std::string face_file;
+  simplex::Axes axes = simplex::Axes::unsaid;  // of meshes from files that do not say it
   std::vector<std::string> fixed{"cranium"};
   bool face = true;
   int iterations_per_step = 12;

@@ -108,6 +108,13 @@ std::optional<HeadScene> read_head(const toml::table& root, const std::string& f
     if (h.bone_files.empty()) t.fail("bones", "is missing or empty; expected bones = [\"cranium.txt\", ...]");
     h.fixed = {fs::path(h.bone_files.front()).stem().string()};
     for (std::string& f : h.bone_files) f = beside(file, f);
+    if (t.has("axes")) {
+      std::string axes;
+      t.text("axes", axes);
+      if (axes != "lps" && axes != "head")
+        t.fail("axes", "are no known ones; expected \"lps\" (left, posterior, superior) or \"head\" (right, forwards, up)");
+      h.axes = axes == "lps" ? simplex::Axes::left_posterior_superior : simplex::Axes::right_forwards_up;
+    }
     if (t.has("face") && table.get("face")->is_string())
       t.text("face", h.face_file, 4000), h.face_file = beside(file, h.face_file);
     else
@@ -129,7 +136,7 @@ std::optional<HeadScene> read_head(const toml::table& root, const std::string& f
   }
   t.vector("offset_mm", h.offset_mm, 1e4);
   t.real("carries_skin_mm", h.carries_skin_mm, 0, 1000);
-  t.finish({"source", "bones", "face", "fixed", "show_face", "tissue", "landmarks", "face_landmarks"});
+  t.finish({"source", "bones", "axes", "face", "fixed", "show_face", "tissue", "landmarks", "face_landmarks"});
   if (const toml::node* n = table.get("tissue")) {
     const toml::array* a = n->as_array();
     if (!a || a->size() > kMostTissues)

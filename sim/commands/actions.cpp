@@ -99,7 +99,7 @@ std::string field_text(const ActionField& f) {
 }
 
 constexpr const char* kOfHead =
-    "Of a head: places in mm, x left, y forward, z up, on the bones where they were at first";
+    "Of a head: places in mm, x right, y forward, z up, on the bones where they were at first";
 constexpr const char* kOfSkin = "Of skin, and of any patient: points on the chart of the skin, mm";
 
 }  // namespace

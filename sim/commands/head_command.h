@@ -1,6 +1,6 @@
 #pragma once
 // Acts on a skull and the face over it, as a script line or a gesture states them. Places are in mm in the frame of the
-// head (x left, y forward, z up, origin between the ears), on the bones where they were at first; nothing of any mesh.
+// head (x right, y forward, z up, origin between the ears), on the bones where they were at first; nothing of any mesh.
 // How each is written in a script stands in table_head.h.
 #include <cstdint>
 #include <optional>

@@ -383,7 +383,9 @@ FitReport fit(Mesh& m, const Prepared& p, const FitSettings& s, Workers& w) {
   check_settings(m, s);
   if (p.volume.value.empty()) throw InputError("", 0, "a fit needs a mesh and a volume");
   const VolumeSight sight(p);
-  return Fitter(m, sight, p.low_mm, p.high_mm, s, w).run();
+  const FitReport report = Fitter(m, sight, p.low_mm, p.high_mm, s, w).run();
+  m.axes = simplex::Axes::left_posterior_superior;  // as the places of a volume (volume.h)
+  return report;
 }
 
 FitReport fit(Mesh& m, const Volume& v, const FitSettings& s, Workers& w) {

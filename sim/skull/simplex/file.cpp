@@ -14,6 +14,7 @@ namespace limberg::simplex {
 namespace {
 
 constexpr const char* kBranch[] = {"near", "far", "height"};
+constexpr const char* kAxes[] = {"", "lps", "head"};  // in the order of Axes
 
 template <class T>
 void put(std::string& s, T v) {
@@ -115,6 +116,14 @@ class Parser {
           shaped_.push_back(0);
       return;
     }
+    if (key == "axes") {
+      const std::string_view which = word();
+      if (axes_ != Axes::unsaid) fail("says a second time which way the axes point");
+      if (!nbr_.empty()) fail("axes was expected before the first vertex");
+      if (which != kAxes[1] && which != kAxes[2]) fail(quoted(which) + " are no known axes; expected lps or head");
+      axes_ = which == kAxes[1] ? Axes::left_posterior_superior : Axes::right_forwards_up;
+      return;
+    }
     if (key == "e") {
       const int32_t a = whole(FileLimits::vertices - 1), b = whole(FileLimits::vertices - 1);
       const std::string_view kind = word();
@@ -134,7 +143,7 @@ class Parser {
       return;
     }
     if (key != "b" && key != "z" && key != "l" && key != "m" && key != "s")
-      fail(quoted(key) + " is no statement; expected v, b, z, l, m, s, e or c");
+      fail(quoted(key) + " is no statement; expected axes, v, b, z, l, m, s, e or c");
     if (nbr_.empty()) fail(quoted(key) + " belongs to a vertex; a v was expected before it");
     if (key == "b") {
       before_.back() = place();
@@ -162,6 +171,7 @@ class Parser {
     } catch (const InputError& e) {
       throw InputError(name_, 0, e.what());
     }
+    m.axes = axes_;
     m.before_mm = std::move(before_), m.zone = std::move(zone_), m.flags = std::move(flags_),
     m.metric = std::move(metric_);
     for (size_t v = 0; v < shaped_.size(); ++v)
@@ -181,6 +191,7 @@ class Parser {
   const std::string& name_;
   int line_ = 0;
   bool begun_ = false;
+  Axes axes_ = Axes::unsaid;
   std::vector<Row> nbr_;
   std::vector<Vec3> x_, before_;
   std::vector<uint16_t> zone_;
@@ -198,6 +209,7 @@ std::string to_text(const Mesh& given) {
   if (!given.free_vertex.empty() || !given.free_face.empty()) packed = given, compact(packed);
   const Mesh& m = packed.nbr.empty() ? given : packed;
   std::string s = "limberg-simplex 1\n";
+  if (m.axes != Axes::unsaid) s += std::string("axes ") + kAxes[size_t(m.axes)] + '\n';
   const VertexShape none;
   for (int32_t v = 0; v < m.slots(); ++v) {
     const size_t i = size_t(v);

@@ -2,6 +2,8 @@
 // A simplex mesh as a text file. One statement per line, numbers from 0, # begins a comment:
 //
 //   limberg-simplex 1            first line
+//   axes lps|head                which way x, y and z point: left, posterior, superior as a scanner's pictures, or
+//                                right, forwards, up as a head in a scene; before the first vertex, may be left out
 //   v x y z a b c                a vertex (mm) and its neighbours, counter-clockwise from outside
 //   b x y z                      of the vertex above: place one iteration ago, where it differs
 //   z number                     its zone, where not 0

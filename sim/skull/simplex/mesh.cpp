@@ -218,9 +218,17 @@ std::vector<int32_t> compact(Mesh& m, bool by_nearness) {
   out.contour = std::move(m.contour);
   for (auto& c : out.contour)
     for (int32_t& v : c) v = renamed[size_t(v)];
+  out.axes = m.axes;
   out.version = m.version + 1;
   m = std::move(out);
   return renamed;
+}
+
+void turn_to_head(Mesh& m) {
+  if (m.axes == Axes::left_posterior_superior)
+    for (std::vector<Vec3>* places : {&m.x_mm, &m.before_mm})
+      for (Vec3& x : *places) x = Vec3(-x.x(), -x.y(), x.z());
+  m.axes = Axes::right_forwards_up;
 }
 
 Mesh extract_component(const Mesh& m, int32_t v, std::vector<int32_t>* old_vertex) {

@@ -35,6 +35,10 @@ enum VertexFlag : uint8_t {
   kOnContour = 2  // belongs to a kept contour; operators leave it alone
 };
 
+/// Which way the axes of a mesh from a file point. Pictures from a scanner are in left, posterior, superior (DICOM); a
+/// head is in right, forwards, up. One is the other turned by half a circle about the third axis.
+enum class Axes : uint8_t { unsaid, left_posterior_superior, right_forwards_up };
+
 using Row = std::array<int32_t, 3>;
 
 struct Mesh {
@@ -54,6 +58,7 @@ struct Mesh {
   std::vector<int32_t> free_vertex, free_face;
   // Kept contours: closed cycles of neighbouring vertices (zone borders, planned cuts). contour.h.
   std::vector<std::vector<int32_t>> contour;
+  Axes axes = Axes::unsaid;
   uint64_t version = 0;  // counts changes of all but positions and velocities
 
   int32_t slots() const { return int32_t(nbr.size()); }
@@ -126,6 +131,9 @@ int32_t components(const Mesh& mesh, std::vector<int32_t>& of_vertex);
 /// when `by_nearness` (breadth first from the smallest vertex of each component), else
 /// in their old order. Returns new numbers of the old vertices (-1: free).
 std::vector<int32_t> compact(Mesh& mesh, bool by_nearness = false);
+
+/// Turned so that its axes point right, forwards and up; one whose axes are unsaid is taken for such.
+void turn_to_head(Mesh& mesh);
 
 /// The component of vertex v as a mesh of its own: positions, velocities, zones, flags, shapes, end contours and kept
 /// contours go along. `old_vertex` (may be null) receives the old number of each of its vertices.

@@ -167,6 +167,26 @@ TEST(File, RoundTripToTheBit) {
   EXPECT_NE(to_obj(m).find("f "), std::string::npos);
 }
 
+TEST(File, SaysWhichWayItsAxesPoint) {
+  Mesh m = make_sphere({3, 5, 7}, 2, 1);
+  EXPECT_EQ(parse_mesh(to_text(m), "test").axes, Axes::unsaid);
+  m.axes = Axes::left_posterior_superior;
+  Mesh back = parse_mesh(to_text(m), "test");
+  compact(back);
+  EXPECT_EQ(back.axes, Axes::left_posterior_superior);
+  turn_to_head(back);  // left 3, posterior 5, superior 7
+  EXPECT_EQ(back.axes, Axes::right_forwards_up);
+  for (int32_t v = 0; v < m.slots(); ++v) {
+    const Vec3 &x = m.x_mm[size_t(v)], &y = back.x_mm[size_t(v)];
+    EXPECT_EQ(y, Vec3(-x.x(), -x.y(), x.z()));
+    EXPECT_EQ(back.before_mm[size_t(v)], y);
+  }
+  EXPECT_EQ(parse_mesh(to_text(back), "test").axes, Axes::right_forwards_up);
+  const Mesh once = back;
+  turn_to_head(back);
+  EXPECT_EQ(hash(back), hash(once));
+}
+
 TEST(File, BrokenInputHasAMessage) {
   const std::string good = to_text(make_sphere({0, 0, 0}, 5, 0));
   const auto message = [](const std::string& text) {
@@ -184,6 +204,9 @@ TEST(File, BrokenInputHasAMessage) {
   EXPECT_NE(message("limberg-simplex 2\n").find("version"), std::string::npos);
   EXPECT_NE(message("limberg-simplex 1\n").find("no vertices"), std::string::npos);
   EXPECT_NE(message("limberg-simplex 1\nz 3\n").find("F:2"), std::string::npos);
+  EXPECT_NE(message("limberg-simplex 1\naxes ras\n").find("F:2: \"ras\" are no known axes"), std::string::npos);
+  EXPECT_NE(message("limberg-simplex 1\naxes lps\naxes lps\n").find("F:3"), std::string::npos);
+  EXPECT_NE(message(good + "axes lps\n").find("before the first vertex"), std::string::npos);
   EXPECT_NE(message(good + "q\n").find("no statement"), std::string::npos);
   EXPECT_NE(message(good + "v 1 2 3 4 5\n").find("F:22"), std::string::npos);
   EXPECT_NE(message(good + "v 1 2 nan 0 1 2\n").find("finite"), std::string::npos);
