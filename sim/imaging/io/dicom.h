@@ -1,14 +1,14 @@
 #pragma once
 // DICOM series: slices, one file each, in a folder as a disc holds them.
 //
-// A folder is walked with its subfolders, eight deep and 20,000 entries at most; a link back to a folder that was walked
-// leads nowhere. A DICOMDIR stands for its folder, another file for its series among the files beside it. Files that
-// are no DICOM or have no pixels are passed over, and so is a file that cannot be parsed: it is named in the notes, and
-// refused only when nothing is left. The same slice in two folders is read once.
+// A folder is walked with its subfolders, eight deep and 20,000 entries at most; a link back to a folder that was
+// walked leads nowhere. A DICOMDIR stands for its folder, another file for its series among the files beside it. Files
+// that are no DICOM or have no pixels are passed over, and so is a file that cannot be parsed: it is named in the
+// notes, and refused only when nothing is left. The same slice in two folders is read once.
 //
 // Read: Explicit and Implicit VR little endian, one number of 8 or 16 bits per pixel, one frame per file; sequences are
-// skipped. Pixels are plain, run lengths, or (where GDCM is installed) JPEG, JPEG-LS and JPEG 2000. Slices are sorted by
-// where they lie along the normal of their plane, not by name. Values are made with slope and intercept; padding and
+// skipped. Pixels are plain, run lengths, or (where GDCM is installed) JPEG, JPEG-LS and JPEG 2000. Slices are sorted
+// by where they lie along the normal of their plane, not by name. Values are made with slope and intercept; padding and
 // what is below -1500 becomes air (-1000, or the least other number where that is higher). A gantry that was tilted
 // (slices that drift in their own plane) and gaps that are uneven are evened out by linear interpolation on an
 // orthogonal grid. Refused: slices missing from an even series (unless they are to be bridged), gaps above 10 mm, two
@@ -55,8 +55,8 @@ struct SeriesChoice {
 };
 /// The series that shows a head best. Of CT, or of MR where no CT will do, can be read, is neither a localizer nor
 /// derived nor a secondary capture (Image Type), has 12 slices and covers 80 mm of the patient's length: those whose
-/// body part is none but the head, if any; of these, those that cover at least nine tenths of what the best does (beyond
-/// 260 mm there is no head); of these, the finest slices; of these, the first, whatever its kernel.
+/// body part is none but the head, if any; of these, those that cover at least nine tenths of what the best does
+/// (beyond 260 mm there is no head); of these, the finest slices; of these, the first, whatever its kernel.
 SeriesChoice choose_series(const std::vector<SeriesAbout>& list);
 
 }  // namespace limberg::imaging

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/base/elementary.h"
 #include "sim/base/error.h"
 #include "sim/imaging/io/dicom_pixels.h"
 #include "sim/imaging/io/dicom_series.h"
@@ -80,9 +81,10 @@ Gaps check_gaps(const std::vector<DicomFile>& f, const SlicePlaces& p, bool brid
     const bool lacks = nearly_even && whole >= 2 && std::abs(k - whole) < 0.05;
     if (lacks && !bridge_missing)
       throw InputError(f[i].file, 0,
-                       std::to_string(int(whole) - 1) + " slices are missing between it and " + f[i + 1].file +
-                           ": the gap is " + std::to_string(p.gap[i]) + " mm, elsewhere " +
-                           std::to_string(p.median_mm) + " mm");
+                       std::to_string(int(whole) - 1) + (whole < 2.5 ? " slice is" : " slices are") +
+                           " missing between it and " + f[i + 1].file + ": the gap is " + std::to_string(p.gap[i]) +
+                           " mm, elsewhere " + std::to_string(p.median_mm) +
+                           " mm; expected all slices (limberg fit --bridge-missing interpolates them)");
     if (p.gap[i] > kWidestGap_mm && std::abs(p.gap[i] - p.median_mm) > kEven * p.median_mm)
       throw InputError(
           f[i].file, 0,
@@ -139,7 +141,7 @@ SlicePlaces places_of(std::vector<DicomFile>& f) {
   const double whole_mm = p.z_mm.back() - p.z_mm.front();
   if (p.tilted && whole_mm > 0) {
     const Vec2& d = p.drift_mm.back();
-    p.tilt_deg = std::atan2(d.y() < 0 ? -d.norm() : d.norm(), whole_mm) * 180 / M_PI;
+    p.tilt_deg = elementary::atan2(d.y() < 0 ? -d.norm() : d.norm(), whole_mm) * 180 / M_PI;
   }
   return p;
 }

@@ -121,7 +121,7 @@ TEST_F(Series, SlicesThatAnEvenSeriesLacksAreRefusedOrBridged) {
     };
   };
   series("one", 16, 2, lacking(2, 5, 5));
-  EXPECT_TRUE(has(refused("one"), "1 slices are missing")) << refused("one");
+  EXPECT_TRUE(has(refused("one"), "1 slice is missing between")) << refused("one");
   const LoadedVolume v = load("one", true);
   EXPECT_TRUE(has(note(v, "missing"), "1 slice is missing, from 8 to 12 mm")) << note(v, "missing");
   EXPECT_EQ(note(v, "uneven"), "");
