@@ -177,7 +177,12 @@ TEST_F(Series, FoldersOfADisc) {
     EXPECT_EQ(note(v, "no DICOM"), "1 file is no DICOM: passed over");
     EXPECT_EQ(note(v, "no pixels"), "1 DICOM file has no pixels: passed over");
   }
-  EXPECT_EQ(load("disc/DICOM/PAT0/SER1/s002").volume.size[2], 6);  // a slice: the files beside it
+  // A slice stands for its series among the files beside it, not for what lies deeper.
+  EXPECT_EQ(load("disc/DICOM/PAT0/SER1/s002").volume.size[2], 6);
+  fs::copy(dir_ / "disc/DICOM/PAT0/SER2", dir_ / "disc/DICOM/PAT0/SER1/deeper");
+  EXPECT_EQ(list_series(dir_ / "disc/DICOM/PAT0/SER1/s002").size(), 1u);
+  EXPECT_EQ(list_series(dir_ / "disc/DICOM/PAT0/SER1").size(), 2u);
+  fs::remove_all(dir_ / "disc/DICOM/PAT0/SER1/deeper");
   // The same slices again in another folder are read once; a link that leads back is not followed.
   fs::copy(dir_ / "disc/DICOM/PAT0/SER1", dir_ / "disc/COPY");
   fs::create_directory_symlink(dir_ / "disc", dir_ / "disc/DICOM/back");
