@@ -217,7 +217,15 @@ TEST_F(Readers, RunLengths) {
   // Cut short anywhere in its pixels, or with other counts: refused, never read beyond.
   Slice s;
   s.run_length = true;
-  const std::string whole = dicom(s);
+  const std::string whole = dicom(s), item("\xfe\xff\x00\xe0", 4);
+  const size_t header = whole.rfind(item) + 8;
+  for (const uint32_t second : {0u, 63u, 64u, 65u, 100'000u}) {  // where the second of its two segments begins
+    std::string bad = whole;
+    put<uint32_t>(bad, header + 8, second, false);
+    write("rle/s0", bad);
+    const std::string said = message([&] { load_volume(dir_ / "rle"); });
+    EXPECT_NE(said.find("run lengths are damaged: a segment"), std::string::npos) << second << ": " << said;
+  }
   for (size_t n = 1; n < 150; ++n) {
     write("rle/s0", whole.substr(0, whole.size() - n));
     EXPECT_NE(message([&] { load_volume(dir_ / "rle"); }), "accepted") << n << " bytes less";

@@ -147,6 +147,16 @@ TEST_F(Series, ASliceThatAnUnevenSeriesMayLackIsSaid) {
   const double plain[] = {0, 3, 5, 8, 10, 14, 17, 19, 22.5, 25};
   series("plain", 10, 0, [&](int k, Slice& s) { s.at.z() = plain[k]; });
   EXPECT_EQ(note(load("plain"), "may be missing"), "");
+  // Where gaps of one size follow gaps of another none is missing, whichever comes first.
+  for (const bool thick_first : {true, false}) {
+    const std::string folder = thick_first ? "down" : "up";
+    series(folder, 10, 0, [&](int k, Slice& s) {
+      const int n = thick_first ? k : 9 - k;
+      s.at.z() = (thick_first ? 1 : -1) * (n <= 3 ? 4.2 * n : 12.6 + 2 * (n - 3));
+    });
+    EXPECT_EQ(note(load(folder), "may be missing"), "") << folder;
+    EXPECT_NE(note(load(folder), "uneven, 2 to 4.2 mm"), "") << folder;
+  }
 }
 
 TEST_F(Series, PaddingIsAirAndSaid) {
@@ -195,6 +205,30 @@ TEST_F(Series, FoldersAreWalkedEightDeep) {
   series("deep/1/2/3/4/5/6/7/8/9", 3, 2, [](int, Slice& s) { s.series = "1.2.9"; });
   EXPECT_EQ(list_series(dir_ / "deep").size(), 1u);
   EXPECT_NE(note(load("deep"), "more than 8 deep"), "");
+}
+
+TEST_F(Series, AFolderOfTooManyFilesIsRefused) {
+  series("many", 3, 2, [](int, Slice&) {});
+  for (int i = 0; i < 20'000; ++i) std::ofstream(dir_ / "many" / ("x" + std::to_string(i)));
+  EXPECT_TRUE(has(refused("many"), "more than 20000 files and folders")) << refused("many");
+}
+
+TEST_F(Series, HeadersOfAnyLengthAreRead) {
+  // A private element of 100,000 bytes before the pixels.
+  series("long", 3, 2, [](int, Slice&) {});
+  const std::string pixels("\xe0\x7f\x10\x00OW", 6), element("\x29\x00\x10\x10OB\0\0\xa0\x86\x01\x00", 12);
+  Slice s;
+  s.at.z() = 6;
+  std::string file = dicom(s);
+  const size_t at = file.find(pixels);
+  ASSERT_NE(at, std::string::npos);
+  file.insert(at, element + std::string(100'000, 'x'));
+  write("long/s004", file);
+  EXPECT_EQ(load("long").volume.size[2], 4);
+  // Pixels that are cut short are seen without reading them.
+  write("long/s004", file.substr(0, file.size() - 1));
+  EXPECT_TRUE(has(list_series(dir_ / "long").front().refused, "cut short"));
+  EXPECT_TRUE(has(refused("long"), "cut short")) << refused("long");
 }
 
 TEST_F(Series, OneBadFileHidesNoOtherSeries) {

@@ -1,8 +1,8 @@
 // The part limberg-gdcm.so: compressed pixels by GDCM.
 //
-// GDCM and the libraries below it end the whole program on some damaged files (28 of 250 with bytes of JPEG 2000 changed
-// at random, by an assertion; GDCM 3.0.21, 2026-11-27). So each slice is unpacked in a child process, which may end as
-// it likes, with limits on its time and memory; what it made comes back in memory that both share.
+// GDCM and the libraries below it end the whole program on some damaged files (28 of 250 with bytes of JPEG 2000
+// changed at random, by an assertion; GDCM 3.0.21, 2026-11-27). So each slice is unpacked in a child process, which may
+// end as it likes, with limits on its time and memory; what it made comes back in memory that both share.
 #include <fcntl.h>
 #include <gdcmImage.h>
 #include <gdcmImageReader.h>
