@@ -105,6 +105,7 @@ TEST_F(Compressed, WhatLosesNothingGivesTheSameNumbers) {
 
 TEST_F(Compressed, DamagedOnesAreRefusedInWords) {
   // GDCM 3.0.21 ends its process on one of ten such files: this one must go on.
+  if (const std::string why = imaging::why_no_gdcm(); !why.empty()) GTEST_SKIP() << why;
   if (!has_gdcmconv()) GTEST_SKIP() << "gdcmconv is not installed (Debian: libgdcm-tools)";
   fs::create_directories(dir_ / "d");
   for (int k = 0; k < 3; ++k) {

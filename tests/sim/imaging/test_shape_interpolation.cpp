@@ -85,7 +85,7 @@ TEST(ShapeInterpolation, IsNearerToTheSurfaceThanGreyValues) {
     Body body;
     double shape_rms_mm, linear_rms_mm;  // the one less than, the other more
   };
-  for (const Case& c : {Case{"ball", ball, 0.25, 0.9}, Case{"cylinder", cylinder, 0.1, 0.7}}) {
+  for (const Case& c : {Case{"ball", ball, 0.22, 0.9}, Case{"cylinder", cylinder, 0.08, 0.7}}) {
     const Volume v = voxels_of(c.body);
     const Volume s = interpolated_by_shape(v, kIso, 1, workers);
     ASSERT_EQ(s.size, (std::array<int32_t, 3>{79, 79, 79}));
