@@ -25,6 +25,7 @@
 #include "sim/commands/script.h"
 #include "sim/commands/strokes.h"
 #include "sim/commands/table.h"
+#include "sim/imaging/io/dicom.h"
 #include "sim/imaging/io/surface_file.h"
 #include "sim/imaging/io/volume.h"
 #include "sim/measure/predicted.h"
@@ -413,15 +414,22 @@ bool check_image(const std::string& file, const std::string& series) {
                 high.y() - low.y(), high.z() - low.z());
     return true;
   }
-  if (!folder && !ends({".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".nii.gz", ".hdr", ".dcm", ".DCM", ".IMA"}))
+  // (The slices of a disc have names of any kind.)
+  const auto dicom = [&] {
+    return std::filesystem::is_regular_file(file, ec) && imaging::looks_like_dicom(read_beginning(file, 132));
+  };
+  if (!folder && !ends({".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".nii.gz", ".hdr", ".dcm", ".DCM", ".IMA"}) &&
+      !dicom())
     return false;
-  const Volume v = load_volume(file, series);
+  const LoadedVolume loaded = load_volume(file, LoadSettings{series, false});
+  const Volume& v = loaded.volume;
   const auto [low, high] = std::minmax_element(v.value.begin(), v.value.end());
   std::printf(
       "volume      %d x %d x %d voxels of %.4g x %.4g x %.4g mm\nvalues      %g to %g\norigin      (%.2f, %.2f, %.2f) "
       "mm, left, posterior, superior\n",
       v.size[0], v.size[1], v.size[2], v.step_mm.col(0).norm(), v.step_mm.col(1).norm(), v.step_mm.col(2).norm(),
       double(*low), double(*high), v.origin_mm.x(), v.origin_mm.y(), v.origin_mm.z());
+  for (const std::string& n : loaded.notes) std::printf("note        %s\n", n.c_str());
   return true;
 }
 

@@ -52,7 +52,7 @@ struct FitOptions {
   std::vector<double> from;
   double iso = 0, offset = 0, edge_mm = 4, chord_mm = 0, seal_mm = -1, mouth_mm = -1, thin = -1, smooth = 0.6,
          parts = 1;
-  bool has_iso = false, has_edge = false;
+  bool has_iso = false, has_edge = false, bridge_missing = false;
   CommonOptions common;
 };
 
@@ -347,7 +347,8 @@ int run_fit(const FitOptions& o) {
     throw InputError(
         "", 0,
         "fit " + o.volume + ": what is to be fitted is not said; expected --tissue skin, --tissue bone or --iso");
-  const Volume v = load_volume(o.volume, o.series);
+  const LoadedVolume loaded = load_volume(o.volume, LoadSettings{o.series, o.bridge_missing});
+  const Volume& v = loaded.volume;
   WorkersPool workers(o.common.worker_count());
   PrepareSettings q;
   q.iso = o.has_iso ? o.iso : (o.tissue == "bone" ? 250 : -300) + o.offset;  // Hounsfield units
@@ -376,6 +377,7 @@ int run_fit(const FitOptions& o) {
   catch_interrupts();  // the mesh is written, and every trial of a sweep that is finished is kept
   write_mesh(o, m);
   const simplex::Census c = simplex::census(m);
+  for (const std::string& n : loaded.notes) std::printf("volume      %s\n", n.c_str());
   for (const CavityMouth& a : p.mouth)
     std::printf("cavity      closed at its mouth at (%.0f, %.0f, %.0f) mm, %.0f mm wide; %.0f mm deep\n",
                 a.centre_mm.x(), a.centre_mm.y(), a.centre_mm.z(), a.width_mm, a.depth_mm);
@@ -391,6 +393,7 @@ int run_fit(const FitOptions& o) {
   for (const std::string& f : faults) say(o.volume + ": " + f + "; see --iso, --offset, --seal-mm, --edge-mm");
   Result result("fit", "");
   ResultMeshFit out = result_of(r);
+  out.notes.insert(out.notes.begin(), loaded.notes.begin(), loaded.notes.end());
   out.volume = o.volume, out.tissue = o.tissue, out.iso = s.iso, out.mesh = o.mesh_file, out.start = o.start;
   out.seal_mm = q.seal_mm, out.mouth_mm = p.mouth_mm, out.smooth_voxels = q.sigma_voxels, out.voxel_mm = p.voxel_mm;
   out.cpu_s = cpu_s;
@@ -449,6 +452,8 @@ void add_fit(CLI::App& app, Chosen& chosen) {
   c->add_option("--series", o->series,
                 "Of a DICOM folder with several: number, UID or part of its description (left out: they are listed)")
       ->type_name("NAME");
+  c->add_flag("--bridge-missing", o->bridge_missing,
+              "Slices that an even DICOM series lacks are interpolated, gaps of 10 mm at most [they are refused]");
   CLI::Option* iso = c->add_option("--iso", o->iso, "Isovalue in the volume's own numbers, instead of the tissue's")
                          ->check(any_number());
   c->add_option("--offset", o->offset, "What the volume's numbers are above Hounsfield units (1024 for many) [0]")

@@ -161,7 +161,11 @@ Surface shape_from(const std::string& file) {
 int images(const SuperposeOptions& o, Result& result, ResultSuperposition& found, Workers& workers,
            Progress& progress) {
   if (o.mirror) throw InputError("", 0, "--mirror is for surfaces");
-  const Volume a = load_volume(o.a, o.series_a), b = load_volume(o.b, o.series_b);
+  const LoadedVolume loaded_a = load_volume(o.a, LoadSettings{o.series_a, false}),
+                     loaded_b = load_volume(o.b, LoadSettings{o.series_b, false});
+  const Volume &a = loaded_a.volume, &b = loaded_b.volume;
+  for (const auto& [file, loaded] : {std::pair(&o.a, &loaded_a), std::pair(&o.b, &loaded_b)})
+    for (const std::string& n : loaded->notes) std::printf("volume      %s: %s\n", file->c_str(), n.c_str());
   RegistrationSettings s;
   if (!o.landmarks.empty()) {
     const LandmarkPairs pairs = parse_landmark_pairs(read_whole_file(o.landmarks, size_t(16) << 20), o.landmarks);

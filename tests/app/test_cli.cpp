@@ -1,4 +1,5 @@
 // The program itself, on bad input: exit status 2, one clear line that names the file, nothing overwritten, no crash.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -6,6 +7,7 @@
 
 #include "devices/recording.h"
 #include "tests/app/cli.h"
+#include "tests/bench/fuzz/sound_files.h"
 
 namespace test_cli {
 
@@ -117,6 +119,36 @@ TEST_F(Cli, SurfacesThatAreNoBody) {
   crossing += "v 5 5 5\nv 35 5 5\nv 5 35 5\nv 5 5 35\nf 5 7 6\nf 5 6 8\nf 6 7 8\nf 5 8 7\n";
   expect_refused("check " + file("crossing.obj", crossing), {"crossing.obj", "expected"});
   expect_refused("check " + file("broken.obj", "v 0 0\nf 1 2 9\n"), {"broken.obj:1"});
+}
+
+TEST_F(Cli, WhatWasDoneToAVolumeIsSaid) {
+  // A ball in slices of a tilted gantry; one of them is missing.
+  fs::create_directories(path("ct"));
+  for (int k = 0; k < 24; ++k) {
+    limberg::fuzz::Slice s;
+    s.columns = 30, s.rows = 30, s.at = {0, 0.5 * k, 2. * k};
+    s.value = [k](int i, int j) {
+      const double x = 2 * i - 29, y = 2 * j + 0.5 * k - 35, z = 2 * k - 23;
+      return int16_t(std::clamp(100 * (18 - std::sqrt(x * x + y * y + z * z)), -1000., 1000.));
+    };
+    if (k != 4) file("ct/s" + std::to_string(10 + k), dicom(s));
+  }
+  expect_refused("check " + path("ct"), {"1 slice is missing between", "--bridge-missing"});
+  const std::string fit = "fit " + path("ct") + " --iso 0 --edge-mm 6 --out " + path("m.simplex");
+  expect_refused(fit, {"1 slice is missing between"});
+  Outcome o = run(fit + " --bridge-missing --json " + path("r.json"));
+  EXPECT_EQ(o.status % 3, 0) << o.err;
+  const std::string notes = nlohmann::json::parse(slurp(path("r.json")))["notes"].dump();
+  for (const char* words : {"tilted by 14.0 degrees", "1 slice is missing"}) {
+    EXPECT_NE(o.out.find(words), std::string::npos) << o.out;
+    EXPECT_NE(notes.find(words), std::string::npos) << notes;
+  }
+  fs::remove(path("ct/s10")), fs::remove(path("ct/s11")), fs::remove(path("ct/s12")), fs::remove(path("ct/s13"));
+  for (const char* given : {"ct", "ct/s20"}) {  // a slice by itself is known by its content
+    o = run("check " + path(given));
+    EXPECT_EQ(o.status, 0) << o.err;
+    EXPECT_NE(o.out.find("note        the gantry was tilted"), std::string::npos) << o.out;
+  }
 }
 
 TEST_F(Cli, FitsSayHowMuchTheyReachAndInWhichUnit) {

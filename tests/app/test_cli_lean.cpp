@@ -27,7 +27,7 @@ class CliLean : public Cli {
   static std::string of_parts(const std::string& libraries) {
     std::string found;
     for (const char* part : {"Bullet", "LinearMath", "OSMesa", "LLVM", "EGL", "libGL", "gallium", "glfw", "X11", "xcb",
-                             "lcm", "glib", "blas", "lapack", "gfortran", "libgomp"})
+                             "lcm", "glib", "gdcm", "blas", "lapack", "gfortran", "libgomp"})
       if (libraries.find(part) != std::string::npos) found += std::string(part) + " ";
     return found;
   }

@@ -23,7 +23,7 @@ const std::map<std::string, std::vector<std::string>> kReads{
     {"NRRD", {"sim/imaging/io/volume.cpp", "sim/imaging/io/header.cpp"}},
     {"MetaImage", {"sim/imaging/io/volume.cpp", "sim/imaging/io/header.cpp"}},
     {"NIfTI", {"sim/imaging/io/nifti.cpp", "sim/imaging/io/volume.cpp"}},
-    {"DICOM", {"sim/imaging/io/dicom.cpp", "sim/imaging/io/dicom_file.cpp"}},
+    {"DICOM", {"sim/imaging/io/dicom_folder.cpp", "sim/imaging/io/dicom_file.cpp", "sim/imaging/io/dicom_pixels.cpp"}},
     {"PLY", {"sim/imaging/io/surface_file.cpp"}},
     {"STL", {"sim/imaging/io/surface_file.cpp"}},
     {"OBJ", {"sim/imaging/io/surface_file.cpp", "sim/geometry/io/obj_text.cpp"}},

@@ -7,12 +7,14 @@
 #include <cmath>
 
 #include "sim/base/error.h"
+#include "sim/base/whole_file.h"
 
 namespace limberg::imaging {
 namespace {
 
 constexpr uint32_t kUndefined = 0xffffffff;
 constexpr int kDeepest = 16;  // sequences within sequences
+constexpr size_t kUsualHeader = 65'536;
 
 struct Element {
   uint32_t tag = 0;
@@ -22,7 +24,8 @@ struct Element {
 
 class Parser {
  public:
-  Parser(std::string_view s, const std::string& file) : s_(s), file_(file) {}
+  Parser(std::string_view s, const std::string& file, size_t file_bytes)
+      : s_(s), file_(file), file_bytes_(std::max(file_bytes, s.size())) {}
 
   DicomFile run() {
     DicomFile d;
@@ -38,7 +41,7 @@ class Parser {
       if (!meta && !chosen) choose(d), chosen = true;
       const Element e = element(meta || explicit_);
       if (e.tag == 0x7fe00010) {
-        d.has_pixels = true, d.pixels_at = at_, d.pixel_bytes = e.length == kUndefined ? s_.size() - at_ : e.length;
+        d.has_pixels = true, d.pixels_at = at_, d.pixel_bytes = std::min(size_t(e.length), file_bytes_ - at_);
         d.compressed = compressed_ || e.length == kUndefined;
         break;
       }
@@ -51,6 +54,7 @@ class Parser {
       at_ += e.length;
     }
     if (!chosen) choose(d);
+    if (!d.has_pixels && at_ < s_.size()) throw InputError(file_, 0, "the file is cut short within an element");
     return d;
   }
 
@@ -157,6 +161,21 @@ class Parser {
       case 0x00020010:
         d.syntax = text(v);
         break;
+      case 0x00080008:
+        d.image_type = text(v);
+        break;
+      case 0x00080018:
+        d.instance = text(v);
+        break;
+      case 0x00100020:
+        d.patient = text(v);
+        break;
+      case 0x00180015:
+        d.body_part = text(v);
+        break;
+      case 0x00181210:
+        d.kernel = text(v);
+        break;
       case 0x00080060:
         d.modality = text(v);
         break;
@@ -219,12 +238,32 @@ class Parser {
 
   std::string_view s_;
   const std::string& file_;
+  size_t file_bytes_;
   size_t at_ = 0;
   bool explicit_ = false, compressed_ = false;
 };
 
 }  // namespace
 
-DicomFile parse_dicom(std::string_view bytes, const std::string& file) { return Parser(bytes, file).run(); }
+DicomFile parse_dicom(std::string_view bytes, const std::string& file, size_t file_bytes) {
+  return Parser(bytes, file, file_bytes).run();
+}
+
+DicomFile read_dicom_header(const std::string& file) {
+  {
+    OpenedFile in(file, "a DICOM file");
+    std::string head(std::min(kUsualHeader, in.size()), '\0');
+    head.resize(in.read(head.data(), head.size()));
+    if (head.size() < in.size() && in.size() <= kDicomBytes) {
+      try {
+        DicomFile d = parse_dicom(head, file, in.size());
+        if (d.has_pixels) return d;
+      } catch (const InputError&) {
+        // The header goes on beyond what was read.
+      }
+    }
+  }
+  return parse_dicom(read_whole_file(file, kDicomBytes), file);
+}
 
 }  // namespace limberg::imaging

@@ -10,6 +10,8 @@ namespace limberg::imaging {
 
 struct DicomFile {
   std::string file, syntax, series, description, modality;
+  std::string patient, instance;              // PatientID, SOPInstanceUID
+  std::string image_type, body_part, kernel;  // as written: ORIGINAL\\PRIMARY\\AXIAL, HEAD, H30s
   int32_t rows = 0, columns = 0, samples = 1, frames = 1;
   int32_t allocated = 0, stored = 0, high_bit = -1;
   bool is_signed = false;
@@ -26,8 +28,10 @@ struct DicomFile {
 
 constexpr size_t kDicomBytes = size_t(1) << 30;  // largest file
 
-/// Whole file as text; throws InputError: no DICOM, cut short, an
-/// element that does not fit, a transfer syntax that is not read.
-DicomFile parse_dicom(std::string_view bytes, const std::string& file);
+/// Whole file as text, or its beginning up to the pixels at least; `file_bytes`: of the whole file (0: these are all).
+/// Throws InputError: no DICOM, cut short, an element that does not fit, a transfer syntax that is not read.
+DicomFile parse_dicom(std::string_view bytes, const std::string& file, size_t file_bytes = 0);
+/// Reads no more of a file than it must. InputError as parse_dicom, and as read_whole_file.
+DicomFile read_dicom_header(const std::string& file);
 
 }  // namespace limberg::imaging

@@ -191,23 +191,27 @@ Volume read_data(const Header& h, const std::string& file) {
 
 }  // namespace imaging
 
-Volume load_volume(const std::string& path, const std::string& series) {
+LoadedVolume load_volume(const std::string& path, const LoadSettings& settings) {
   std::error_code ec;
-  if (std::filesystem::is_directory(path, ec)) return imaging::load_dicom(path, series);
+  if (std::filesystem::is_directory(path, ec)) return imaging::load_dicom(path, settings);
   const std::string head = read_beginning(path, VolumeLimits::header_bytes, "a volume");
-  if (head.starts_with("NRRD000")) return imaging::read_data(imaging::nrrd_header(head, path), path);
-  if (imaging::looks_like_nifti(head)) return imaging::load_nifti(path);
-  if (imaging::looks_like_dicom(head)) return imaging::load_dicom(path, series);
+  if (head.starts_with("NRRD000")) return {imaging::read_data(imaging::nrrd_header(head, path), path), {}};
+  if (imaging::looks_like_nifti(head)) return {imaging::load_nifti(path), {}};
+  if (imaging::looks_like_dicom(head)) return imaging::load_dicom(path, settings);
   size_t at = 0;
   std::string_view first;
   imaging::next_line(head, at, first);
   const size_t equals = first.find('=');
   const std::string_view key = imaging::trimmed(first.substr(0, equals));
   if (equals != std::string_view::npos && (key == "ObjectType" || key == "NDims" || key == "Comment"))
-    return imaging::read_data(imaging::meta_header(head, path), path);
+    return {imaging::read_data(imaging::meta_header(head, path), path), {}};
   throw InputError(path, 1,
                    "is of no kind that is known here; expected an NRRD (NRRD0001...), a MetaImage (ObjectType = "
                    "Image), a NIfTI-1 or a DICOM file or folder");
+}
+
+Volume load_volume(const std::string& path, const std::string& series) {
+  return load_volume(path, LoadSettings{series, false}).volume;
 }
 
 double VolumeSampler::value(const Vec3& x_mm) const {

@@ -46,9 +46,22 @@ struct VolumeLimits {
   static constexpr size_t header_bytes = size_t(1) << 20;
 };
 
-/// By its first bytes: NRRD, MetaImage, NIfTI-1, DICOM; a folder is one of DICOM slices. `series`: which one, where a
-/// folder holds several (dicom.h). Throws InputError(file, line, ...): a field missing or not understood, a size that
-/// is absurd or does not match the data, a voxel without extent, data that are cut short or damaged.
+/// How a file or folder is read.
+struct LoadSettings {
+  std::string series;           // which one, where a folder holds several (dicom.h); empty: it holds one
+  bool bridge_missing = false;  // slices that an even series lacks are interpolated, gaps of 10 mm at most
+};
+/// A volume and what was done to it or passed over, in sentences (a tilt evened out, gaps bridged).
+struct LoadedVolume {
+  Volume volume;
+  std::vector<std::string> notes;
+};
+
+/// By its first bytes: NRRD, MetaImage, NIfTI-1, DICOM; a folder is one of DICOM slices, and so is a DICOMDIR. Throws
+/// InputError(file, line, ...): a field missing or not understood, a size that is absurd or does not match the data, a
+/// voxel without extent, data that are cut short or damaged.
+LoadedVolume load_volume(const std::string& path, const LoadSettings& settings);
+/// The same without its notes.
 Volume load_volume(const std::string& path, const std::string& series = {});
 
 }  // namespace limberg

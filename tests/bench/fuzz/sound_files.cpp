@@ -110,9 +110,10 @@ std::string dicom(const Slice& s) {
                                             : "1.2.840.10008.1.2";
   element(0x00020010, "UI", s.syntax.empty() ? plain : s.syntax, true);
   const bool e = s.explicit_vr;
+  if (!s.image_type.empty()) element(0x00080008, "CS", s.image_type, e);
   element(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.2", e),
       element(0x00080018, "UI", s.series + ".7." + std::to_string(int(s.at.z() * 10) + 5000), e);
-  element(0x00080060, "CS", "CT", e);
+  element(0x00080060, "CS", s.modality, e);
   element(0x0008103e, "LO", s.description, e);
   if (s.sequence) {  // of undefined length, an item of undefined length with an element in it
     out += std::string("\x08\x00\x12\x21", 4) + (e ? std::string("SQ\0\0", 4) : "") + std::string(4, char(255));
@@ -120,14 +121,19 @@ std::string dicom(const Slice& s) {
     element(0x00081150, "UI", "1.2", e);
     out += std::string("\xfe\xff\x0d\xe0\0\0\0\0", 8) + std::string("\xfe\xff\xdd\xe0\0\0\0\0", 8);
   }
+  if (!s.patient.empty()) element(0x00100020, "LO", s.patient, e);
+  if (!s.body_part.empty()) element(0x00180015, "CS", s.body_part, e);
+  if (!s.kernel.empty()) element(0x00181210, "SH", s.kernel, e);
   element(0x0020000e, "UI", s.series, e);
   element(0x00200032, "DS", text({s.at.x(), s.at.y(), s.at.z()}), e);
-  element(0x00200037, "DS", text({1, 0, 0, 0, 1, 0}), e);
+  element(0x00200037, "DS", text({s.across.x(), s.across.y(), s.across.z(), s.down.x(), s.down.y(), s.down.z()}), e);
   element(0x00280002, "US", number(1), e), element(0x00280004, "CS", "MONOCHROME2", e);
+  if (s.frames > 1) element(0x00280008, "IS", std::to_string(s.frames), e);
   element(0x00280010, "US", number(s.rows), e), element(0x00280011, "US", number(s.columns), e);
   element(0x00280030, "DS", text({s.spacing, s.spacing}), e);
   element(0x00280100, "US", number(16), e), element(0x00280101, "US", number(16), e),
       element(0x00280102, "US", number(15), e), element(0x00280103, "US", number(1), e);
+  if (s.padding != 0) element(0x00280120, "SS", number(s.padding), e);
   element(0x00281052, "DS", text({s.intercept}), e), element(0x00281053, "DS", text({s.slope}), e);
   std::string pixels;
   for (int j = 0; j < s.rows; ++j)

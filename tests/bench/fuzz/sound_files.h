@@ -39,7 +39,11 @@ struct Slice {
   int columns = 6, rows = 5, number = 0;
   double slope = 1, intercept = 0, spacing = 2;
   std::function<int16_t(int, int)> value = [](int i, int j) { return int16_t(i + 10 * j); };
-  bool run_length = false;  // pixels in fragments, run length encoded (PS3.5 annex G)
+  std::string modality = "CT";
+  std::string image_type, body_part, kernel, patient;  // empty: not in the file
+  Vec3 across = Vec3::UnitX(), down = Vec3::UnitY();
+  int padding = 0, frames = 1;  // 0: none
+  bool run_length = false;      // pixels in fragments, run length encoded (PS3.5 annex G)
 };
 std::string dicom(const Slice& slice);
 

@@ -19,9 +19,9 @@ namespace limberg::bench {
 namespace {
 
 // What belongs to parts that a session of skin without pictures does not have.
-constexpr const char* kParts[] = {"Bullet", "LinearMath", "OSMesa",   "LLVM", "EGL",       "GLX",     "libGL",
-                                  "glfw",   "X11",        "xcb",      "lcm",  "glib",      "gallium", "openblas",
-                                  "lapack", "blas",       "gfortran", "gomp", "cholmod.so"};
+constexpr const char* kParts[] = {"Bullet", "LinearMath", "OSMesa",   "LLVM", "EGL",        "GLX",     "libGL",
+                                  "glfw",   "X11",        "xcb",      "lcm",  "glib",       "gallium", "openblas",
+                                  "lapack", "blas",       "gfortran", "gomp", "cholmod.so", "gdcm"};
 
 int of_parts(const std::vector<std::string>& libraries) {
   return int(std::count_if(libraries.begin(), libraries.end(), [](const std::string& l) {
