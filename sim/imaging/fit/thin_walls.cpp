@@ -37,6 +37,10 @@ bool on_crest(const std::vector<float>& f, const GridSize& n, size_t i, Vec3& ac
 
 }  // namespace
 
+bool crest_passes(const Volume& blurred, size_t i, Vec3& across) {
+  return on_crest(blurred.value, blurred.size, i, across);
+}
+
 std::vector<size_t> thin_walls(const Volume& values, const std::vector<uint8_t>& set, const std::vector<uint8_t>& may,
                                const WallRule& rule, Workers& workers) {
   const GridSize& n = values.size;

@@ -1,0 +1,280 @@
+#include "sim/imaging/anatomy/anatomy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "sim/base/elementary.h"
+#include "sim/base/error.h"
+#include "sim/skull/simplex/dual.h"
+
+namespace limberg {
+
+namespace {
+
+constexpr double kAtlasBrain_mm[3] = {0, 0, 55};  // middle of the synthetic head's hollow (part_bones, 2026-11-27)
+constexpr double kTilts_deg[] = {0, -15, 15, -30, 30};
+constexpr double kCut_mm[] = {0, 25,
+                              50};    // so much lower lies the middle of a hollow whose vault is not in the picture
+constexpr double kPatch_mm = 30;      // of the synthetic head around a landmark
+constexpr double kPatchMove_mm = 15;  // that it may go
+constexpr double kMostScale = 0.2;    // heads of all ages from four years on are within it (head lengths, Farkas 1994)
+constexpr double kSlack_mm = 1;       // a rule looks so much farther than on the synthetic head
+constexpr double kPastPlace_mm = 25;  // and a ray goes on so far behind it
+constexpr int kFrameRounds = 3;
+
+Surface surface_of_mesh(const simplex::Mesh& m) {
+  const simplex::FanTriangles fan = simplex::fan_triangles(m);
+  Surface s;
+  s.x_mm = fan.X_mm, s.tri = fan.tri;
+  return s;
+}
+
+Mat3 about_x(double deg) {
+  const double a = deg * M_PI / 180;
+  Mat3 R = Mat3::Identity();
+  R(1, 1) = R(2, 2) = elementary::cos(a), R(2, 1) = elementary::sin(a), R(1, 2) = -R(2, 1);
+  return R;
+}
+
+struct Seeker {
+  const AnatomySurfaces& patient;
+  const HeadModel& atlas;
+  Workers& workers;
+  Anatomy out;
+  Similarity skull_map, mandible_map;
+  Bvh skull, mandible, skin;
+
+  struct Named {
+    std::string name;
+    const LandmarkRule* rule;
+    double side;
+    Vec3 first_mm, at_mm;  // in the frame of the surfaces
+    bool met = false;
+  };
+  std::vector<Named> named;
+
+  Anatomy run() {
+    lay();
+    skull = Bvh(patient.skull.x_mm, patient.skull.tri);
+    if (!patient.mandible.tri.empty()) mandible = Bvh(patient.mandible.x_mm, patient.mandible.tri);
+    if (!patient.skin.tri.empty()) skin = Bvh(patient.skin.x_mm, patient.skin.tri);
+    first_places();
+    out.to_head = frame_of(skull_map.R.transpose());
+    for (int round = 0; round < kFrameRounds; ++round) {
+      by_rule();
+      out.to_head = frame_of(out.to_head.linear());
+    }
+    by_rule();
+    finish();
+    return std::move(out);
+  }
+
+  /// The patient's bone is moved: all of it has its like on the synthetic head, while the picture may end below the vault.
+  void lay() {
+    const Surface whole = surface_of_mesh(atlas.cranium);
+    const SurfaceTarget model(whole);
+    const Vec3 brain(kAtlasBrain_mm[0], kAtlasBrain_mm[1], kAtlasBrain_mm[2]);
+    IcpSettings quick;
+    quick.keep = 0.7, quick.samples = 2000, quick.iterations = 60;
+    double least = std::numeric_limits<double>::infinity();
+    std::string reason = "no way was tried";
+    Similarity best;
+    for (const double tilt : kTilts_deg)
+      for (const double cut : kCut_mm) {
+        Similarity start;
+        start.R = about_x(tilt), start.t_mm = patient.brain_mm - start.R * (brain - cut * Vec3::UnitZ());
+        const IcpResult r = icp(patient.skull, model, start.inverse(), quick, workers);
+        if (!r)
+          reason = r.reason;
+        else if (r.rms_mm < least)
+          least = r.rms_mm, best = r.map;
+      }
+    if (!std::isfinite(least)) throw InputError("", 0, "no skull could be laid upon the bone: " + reason);
+    const auto sound = [](const IcpResult& r) { return r && std::abs(r.map.scale - 1) <= kMostScale; };
+    IcpSettings fine = quick;
+    fine.samples = 8000, fine.iterations = 200, fine.with_scale = true;
+    IcpResult r = icp(patient.skull, model, best, fine, workers);
+    if (!sound(r)) fine.with_scale = false, r = icp(patient.skull, model, best, fine, workers);
+    if (r) best = r.map, least = r.rms_mm;
+    out.skull_rms_mm = least;
+    mandible_map = skull_map = best.inverse();
+    if (!patient.mandible.tri.empty()) {
+      const Surface jaw = surface_of_mesh(atlas.mandible);
+      fine.with_scale = true;
+      if (const IcpResult j = icp(patient.mandible, SurfaceTarget(jaw), best, fine, workers); sound(j))
+        mandible_map = j.map.inverse();
+    }
+  }
+
+  void first_places() {
+    for (const LandmarkRule& r : landmark_rules())
+      for (const double side : {1., -1.}) {
+        if (!r.pair && side < 0) continue;
+        const std::string name = r.pair ? std::string(r.name) + (side > 0 ? "_R" : "_L") : r.name;
+        const bool jaw = r.surface == LandmarkRule::Surface::mandible;
+        if (jaw ? mandible.empty() : r.surface == LandmarkRule::Surface::skin && skin.empty()) continue;
+        const auto known = std::find_if(atlas.landmarks.begin(), atlas.landmarks.end(),
+                                        [&](const auto& l) { return l.first == name; });
+        if (known == atlas.landmarks.end()) continue;
+        const Vec3 x = jaw || r.carried ? mandible_map(known->second) : skull_map(known->second);
+        named.push_back({name, &r, side, x, x, false});
+      }
+    bring_nearer();
+  }
+
+  /// Around each landmark the synthetic head's surface is laid upon the patient's anew, alone: what lies elsewhere and
+  /// is shaped otherwise has no say. Not where that would slip, or lead far away.
+  void bring_nearer() {
+    struct Pair {
+      Surface model;
+      std::optional<SurfaceTarget> target;
+      Similarity map;
+    };
+    std::array<Pair, 3> pairs;  // skull, mandible, skin
+    pairs[0] = {surface_of_mesh(atlas.cranium), SurfaceTarget(patient.skull), skull_map};
+    if (!mandible.empty()) pairs[1] = {surface_of_mesh(atlas.mandible), SurfaceTarget(patient.mandible), mandible_map};
+    if (!skin.empty()) pairs[2] = {surface_of_mesh(atlas.face), SurfaceTarget(patient.skin), skull_map};
+    IcpSettings s;
+    s.keep = 0.7, s.iterations = 40, s.samples = 600;
+    for (Named& n : named) {
+      const Pair& p = pairs[size_t(n.rule->surface)];
+      const Vec3 at = (n.rule->carried ? mandible_map : skull_map).inverse()(n.first_mm);
+      Surface patch;
+      std::vector<int32_t> number(p.model.x_mm.size(), -1);
+      for (const Tri& t : p.model.tri) {
+        if (!((p.model.x_mm[size_t(t[0])] - at).norm() < kPatch_mm)) continue;
+        Tri own;
+        for (size_t c = 0; c < 3; ++c) {
+          int32_t& i = number[size_t(t[c])];
+          if (i < 0) i = int32_t(patch.x_mm.size()), patch.x_mm.push_back(p.model.x_mm[size_t(t[c])]);
+          own[c] = i;
+        }
+        patch.tri.push_back(own);
+      }
+      if (patch.tri.size() < 50) continue;
+      const Similarity start = n.rule->carried ? mandible_map : p.map;
+      const IcpResult r = icp(patch, *p.target, start, s, workers);
+      if (r && (r.map(at) - n.first_mm).norm() < kPatchMove_mm) n.first_mm = n.at_mm = r.map(at);
+    }
+  }
+
+  const Named* find(const std::string& name) const {
+    const auto at = std::find_if(named.begin(), named.end(), [&](const Named& n) { return n.name == name; });
+    return at == named.end() ? nullptr : &*at;
+  }
+
+  /// The frame with Frankfort's horizontal; `turn`: what it is nearly.
+  Eigen::Isometry3d frame_of(const Mat3& turn) {
+    IcpSettings s;
+    s.samples = 6000, s.iterations = 100;
+    Vec3 x = turn.row(0);
+    const MirrorPlane plane = mirror_plane(patient.skull, x, s, workers);
+    Vec3 through = Vec3::Zero();
+    if (plane && std::abs(plane.normal.dot(x)) > 0.9) {
+      x = plane.normal.dot(x) < 0 ? Vec3(-plane.normal) : plane.normal;
+      through = plane.point_mm, out.symmetry_rms_mm = plane.rms_mm;
+    } else {
+      through = skull_map(Vec3(0, 0, 0));
+    }
+    const auto middle = [&](const char* a, const char* b) {
+      const Named *l = find(a), *r = find(b);
+      return l && r ? Vec3(0.5 * (l->at_mm + r->at_mm)) : skull_map(Vec3::Zero());
+    };
+    const Vec3 po = middle("Po_L", "Po_R"), orb = middle("Or_L", "Or_R");
+    Vec3 y = orb - po;
+    y = (y - x * x.dot(y)).normalized();
+    Eigen::Isometry3d to = Eigen::Isometry3d::Identity();
+    Mat3 R;
+    R.row(0) = x, R.row(1) = y, R.row(2) = x.cross(y);
+    const Vec3 origin = po - x * x.dot(po - through);
+    to.linear() = R, to.translation() = -R * origin;
+    return to;
+  }
+
+  void by_rule() {
+    const Eigen::Isometry3d back = out.to_head.inverse();
+    for (Named& n : named) {
+      const LandmarkRule& r = *n.rule;
+      // A rule that looks at one place only says nothing of its own: the place of the laid skull is brought to the bone.
+      const bool one_place = r.reach_mm[0] == 0 && r.reach_mm[1] == 0;
+      const Bvh& at = r.surface == LandmarkRule::Surface::skull      ? skull
+                      : r.surface == LandmarkRule::Surface::mandible ? mandible
+                                                                     : skin;
+      const Vec3 look(n.side * r.look.x(), r.look.y(), r.look.z()),
+          score(n.side * r.score.x(), r.score.y(), r.score.z());
+      Vec3 place = out.to_head * n.first_mm;
+      if (!r.pair) place.x() = 0;  // in the plane of symmetry
+      if (one_place) {
+        const Bvh::Closest c = at.closest(n.first_mm, 15);
+        n.met = c.triangle >= 0;
+        if (n.met) n.at_mm = c.point_mm;
+        continue;
+      }
+      if (const std::optional<Vec3> p = seek(at, back, place, look.normalized(), score, r))
+        n.at_mm = back * *p, n.met = true;
+      else
+        n.met = false;
+    }
+  }
+
+  /// The same search as on the synthetic head (head_landmarks.cpp), with rays that meet triangles; in the head's frame.
+  std::optional<Vec3> seek(const Bvh& at, const Eigen::Isometry3d& back, const Vec3& place, const Vec3& look,
+                           const Vec3& score, const LandmarkRule& r) const {
+    const Vec3 helper = std::abs(look.x()) > 0.9 ? Vec3::UnitY() : Vec3::UnitX();
+    const Vec3 u = (helper - helper.dot(look) * look).normalized(), v = look.cross(u);
+    const double most_a = r.reach_mm[0] > 0 ? r.reach_mm[0] + kSlack_mm : 0,
+                 most_b = r.reach_mm[1] > 0 ? r.reach_mm[1] + kSlack_mm : 0;
+    double a0 = 0, b0 = 0, ra = most_a, rb = most_b;
+    std::optional<Vec3> best;
+    const double start = r.back_mm;
+    for (int round = 0; round < 7; ++round) {
+      double best_a = a0, best_b = b0;
+      const int na = ra > 0 ? 5 : 0, nb = rb > 0 ? 7 : 0;
+      for (int i = -na; i <= na; ++i)
+        for (int j = -nb; j <= nb; ++j) {
+          const double a = na ? std::clamp(a0 + ra * i / na, -most_a, most_a) : 0,
+                       b = nb ? std::clamp(b0 + rb * j / nb, -most_b, most_b) : 0;
+          const Vec3 from = place + a * u + b * v - start * look;
+          std::array<Bvh::LineHit, 8> hit;
+          const int hits = at.line(back * from, back.linear() * look, 0, start + kPastPlace_mm, hit);
+          for (int k = 0; k < std::min(hits, 8); ++k)
+            if (hit[size_t(k)].from_outside) {
+              const Vec3 p = from + hit[size_t(k)].t * look;
+              if (!best || p.dot(score) > best->dot(score)) best = p, best_a = a, best_b = b;
+              break;
+            }
+        }
+      a0 = best_a, b0 = best_b, ra *= 0.5, rb *= 0.4;
+    }
+    return best;
+  }
+
+  void finish() {
+    for (const Named& n : named) {
+      if (!n.met) {
+        out.missing.push_back(n.name);
+        continue;
+      }
+      const double moved = (n.at_mm - n.first_mm).norm();
+      const double sd = std::sqrt(0.25 * patient.voxel_mm * patient.voxel_mm / 3 + moved * moved / 12 + 0.09);
+      out.landmark.push_back({n.name, out.to_head * n.at_mm, sd, n.rule->surface == LandmarkRule::Surface::skin});
+    }
+    // The sella is a stated place of the synthetic head and lies on no surface that is sought.
+    for (const auto& [name, at] : atlas.landmarks)
+      if (name == "S") out.landmark.push_back({"S", out.to_head * skull_map(at), 3, false});
+    const Mat3& R = out.to_head.linear();
+    out.yaw_deg = elementary::atan2(R(1, 0), R(1, 1)) * 180 / M_PI;
+    out.pitch_deg = elementary::asin(std::clamp(R(2, 1), -1., 1.)) * 180 / M_PI;
+    out.roll_deg = elementary::atan2(-R(2, 0), R(2, 2)) * 180 / M_PI;
+  }
+};
+
+}  // namespace
+
+Anatomy find_anatomy(const AnatomySurfaces& patient, const HeadModel& atlas, Workers& workers) {
+  return Seeker{patient, atlas, workers, {}, {}, {}, {}, {}, {}, {}}.run();
+}
+
+}  // namespace limberg

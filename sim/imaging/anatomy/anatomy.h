@@ -1,0 +1,47 @@
+#pragma once
+// Where a head's landmarks are, and which way it looks: the frame of a head from surfaces of its bone and skin.
+//
+//   laid upon   the synthetic head's skull is laid upon the patient's from five tilts (trimmed ICP with scale), its
+//               mandible upon the mandible; every landmark has a first place then
+//   by rule     each landmark is sought on the patient's own surface near that place by the rule that defines it: rays
+//               of one direction, of the places met the farthest one along another (synthetic_head.h: landmark_rules)
+//   frame       x across the plane of symmetry of the skull (laid upon its own mirror image), the Frankfort horizontal
+//               through both porions and the orbitals flat, origin midway between the porions; then rules once more
+//
+// How far a landmark may be off (`sd_mm` per coordinate) is stated from how far its rule moved it from where the laid
+// skull has it, the residual of that skull, and the size of a voxel.
+#include <string>
+#include <vector>
+
+#include "sim/base/workers.h"
+#include "sim/imaging/register/superposition.h"
+#include "sim/imaging/synthetic/synthetic_head.h"
+
+namespace limberg {
+
+struct AnatomySurfaces {
+  Surface skull, mandible, skin;  // right, forwards, up, about upright; mandible and skin may be empty
+  Vec3 brain_mm = Vec3::Zero();   // the middle of its hollow
+  double voxel_mm = 1;            // the longest side
+};
+
+struct FoundLandmark {
+  std::string name;  // as measure/cephalometry.h has them
+  Vec3 at_mm = Vec3::Zero();
+  double sd_mm = 0;
+  bool on_skin = false;
+};
+
+struct Anatomy {
+  Eigen::Isometry3d to_head = Eigen::Isometry3d::Identity();  // from the frame of the surfaces to that of the head
+  std::vector<FoundLandmark> landmark;                        // in the frame of the head
+  std::vector<std::string> missing;                           // names of those that no ray met
+  double skull_rms_mm = 0;                                    // of the laid skull, over the pairs that ICP kept
+  double pitch_deg = 0, roll_deg = 0, yaw_deg = 0;            // of the head in the picture, from the frame of the head
+  double symmetry_rms_mm = 0;                                 // of the skull against its mirror image
+};
+
+/// `atlas`: make_head({}). Throws InputError where the skull cannot be laid upon, with ICP's reason.
+Anatomy find_anatomy(const AnatomySurfaces& patient, const HeadModel& atlas, Workers& workers);
+
+}  // namespace limberg

@@ -1,0 +1,165 @@
+// A patient from the CT of a head whose shape is known, lying turned in the scanner: bone, parts, landmarks, frame.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "sim/base/error.h"
+#include "sim/geometry/bvh.h"
+#include "sim/imaging/anatomy/patient_model.h"
+#include "sim/skull/simplex/dual.h"
+
+namespace limberg {
+namespace test_patient_model {
+
+constexpr double kVoxel_mm = 2;
+
+Mat3 turn_of(double pitch_deg, double roll_deg, double yaw_deg) {
+  const double d = M_PI / 180;
+  return (Eigen::AngleAxisd(yaw_deg * d, Vec3::UnitZ()) * Eigen::AngleAxisd(roll_deg * d, Vec3::UnitY()) *
+          Eigen::AngleAxisd(pitch_deg * d, Vec3::UnitX()))
+      .toRotationMatrix();
+}
+
+/// A jaw that is short and lower on the left, in voxels of 2 mm, the head turned in the picture; numbers as HU + 1024.
+struct Case {
+  HeadSpec spec{.mandible_scale = 0.92, .ramus_left = 0.95};
+  HeadShape shape{spec};
+  Volume ct;
+  PatientModel patient;
+  std::map<std::string, Vec3> truth;  // in the frame that its porions and orbitals say
+  Eigen::Isometry3d frame;            // of the truth, from that of head_shape.h
+};
+
+const Case& turned() {
+  static const Case c = [] {
+    Case out;
+    InlineWorkers w;
+    out.ct = head_ct(out.spec, kVoxel_mm, w);
+    const Mat3 R = turn_of(9, 4, -6);
+    out.ct.step_mm = R * out.ct.step_mm, out.ct.origin_mm = R * out.ct.origin_mm + Vec3(20, -110, 300);
+    for (float& x : out.ct.value) x += 1024;
+    out.patient = make_patient(out.ct, {}, make_head({}, w), w);
+    for (const auto& [name, x] : head_landmarks(out.shape)) out.truth[name] = x;
+    const Vec3 po = 0.5 * (out.truth["Po_L"] + out.truth["Po_R"]), orb = 0.5 * (out.truth["Or_L"] + out.truth["Or_R"]);
+    const Vec3 x = Vec3::UnitX(), y = (orb - po - x * x.dot(orb - po)).normalized();
+    Mat3 F;
+    F.row(0) = x, F.row(1) = y, F.row(2) = x.cross(y);
+    out.frame.linear() = F, out.frame.translation() = -F * po;
+    for (auto& [name, at] : out.truth) at = out.frame * at;
+    return out;
+  }();
+  return c;
+}
+
+/// Signed distance to the true bone (air in the sinuses is none) at a place in the frame of the head.
+double to_bone(const Case& c, const Vec3& x, bool mandible) {
+  const Vec3 p = c.frame.inverse() * x;
+  return mandible ? c.shape.mandible(p) : std::max(c.shape.skull(p), -c.shape.sinus(p));
+}
+
+TEST(PatientModel, NumbersAreRecognised) {
+  std::string why;
+  EXPECT_EQ(turned().patient.offset, 1024);
+  Volume v = turned().ct;
+  for (float& x : v.value) x -= 1024;
+  EXPECT_EQ(hounsfield_offset(v, why), 0);
+  for (float& x : v.value) x = 3 * x + 7000;
+  EXPECT_THROW(hounsfield_offset(v, why), InputError);
+}
+
+TEST(PatientModel, SkullAndMandibleArePartedAsTheyAre) {
+  const PatientModel& p = turned().patient;
+  ASSERT_EQ(p.bone.size(), 2u);
+  EXPECT_EQ(p.bone[0].name, "cranium");
+  EXPECT_EQ(p.bone[1].name, "mandible");
+  EXPECT_TRUE(p.parts.mandible.made);
+  EXPECT_FALSE(p.parts.spine.made);
+  // Every vertex lies on the bone it is said to be of: far from the other one but at the joints, which touch.
+  for (size_t b = 0; b < 2; ++b) {
+    EXPECT_EQ(simplex::find_fault(p.bone[b].mesh).value_or(""), "");
+    EXPECT_EQ(simplex::census(p.bone[b].mesh).end_contours, 0);
+    int64_t wrong = 0, all = 0;
+    for (const Vec3& x : p.bone[b].mesh.x_mm)
+      wrong += std::abs(to_bone(turned(), x, b == 1)) > std::abs(to_bone(turned(), x, b == 0)) + kVoxel_mm, ++all;
+    EXPECT_LT(double(wrong), 0.005 * double(all)) << p.bone[b].name;
+  }
+}
+
+TEST(PatientModel, SurfacesLieOnBoneToATenthOfAVoxelAtTheMedian) {
+  // Half a voxel is the bar of the issue for thickness (both surfaces), a quarter a surface. Median: .10 mm (2026-11-27).
+  for (size_t b = 0; b < 2; ++b) {
+    std::vector<double> off;
+    for (const Vec3& x : turned().patient.bone[b].mesh.x_mm) off.push_back(std::abs(to_bone(turned(), x, b == 1)));
+    std::sort(off.begin(), off.end());
+    EXPECT_LT(off[off.size() / 2], 0.25 * kVoxel_mm);
+    EXPECT_LT(off[off.size() * 9 / 10], 0.5 * kVoxel_mm);
+  }
+}
+
+TEST(PatientModel, VolumesAreRightWithinFivePercent) {
+  const double h = 1;
+  double skull = 0, mandible = 0;
+  const Vec3 lo = HeadShape::low_mm(), hi = HeadShape::high_mm();
+  const HeadShape& s = turned().shape;
+  for (double x = lo.x(); x < hi.x(); x += h)
+    for (double y = lo.y(); y < hi.y(); y += h)
+      for (double z = lo.z(); z < hi.z(); z += h) {
+        const Vec3 p(x, y, z);
+        skull += std::max(s.skull(p), -s.sinus(p)) < 0, mandible += s.mandible(p) < 0;
+      }
+  EXPECT_NEAR(turned().patient.bone[0].volume_cm3, 1e-3 * skull, 0.05 * 1e-3 * skull);
+  EXPECT_NEAR(turned().patient.bone[1].volume_cm3, 1e-3 * mandible, 0.05 * 1e-3 * mandible);
+}
+
+TEST(PatientModel, TheVaultIsAsThickAsItIs) {
+  const simplex::FanTriangles fan = simplex::fan_triangles(turned().patient.bone[0].mesh);
+  const Bvh bvh(fan.X_mm, fan.tri);
+  const Vec3 middle = turned().frame * Vec3(0, 0, 55);
+  double sum = 0;
+  int count = 0;
+  for (int i = 0; i < 200; ++i) {  // directions over the upper half (Fibonacci)
+    const double z = 0.2 + 0.8 * (i + 0.5) / 200, a = 2.39996322972865 * i, r = std::sqrt(1 - z * z);
+    const Vec3 d(r * std::cos(a), r * std::sin(a), z);
+    const auto hit = bvh.line(middle, d, 0, 200);
+    double inner = 0, outer = 0;
+    for (double t = 0; t < 160; t += 0.05) {
+      const bool in = to_bone(turned(), middle + t * d, false) < 0;
+      if (in && inner == 0) inner = t;
+      if (in) outer = t;
+    }
+    if (hit.size() != 2 || inner == 0) continue;
+    sum += std::abs(hit[1].t - hit[0].t - (outer - inner)), ++count;
+  }
+  EXPECT_GT(count, 150);
+  EXPECT_LT(sum / count, 0.5 * kVoxel_mm);  // the bar of the issue: .3 mm or half a voxel
+}
+
+TEST(PatientModel, LandmarksAndFrameAreFound) {
+  const Anatomy& a = turned().patient.anatomy;
+  double sum = 0;
+  int count = 0, within = 0;
+  std::map<std::string, Vec3> at;
+  for (const FoundLandmark& l : a.landmark) {
+    at[l.name] = l.at_mm;
+    const auto t = turned().truth.find(l.name);
+    if (l.on_skin || t == turned().truth.end()) continue;
+    const double off = (l.at_mm - t->second).norm();
+    sum += off, ++count, within += off < 2 * std::sqrt(3.) * l.sd_mm;
+  }
+  EXPECT_GE(count, 26);
+  EXPECT_LT(sum / count, 1.5);  // the bar of the issue
+  EXPECT_GE(within, count - 4);
+  // Sides and signs.
+  EXPECT_GT(at["Po_R"].x(), 50);
+  EXPECT_LT(at["Po_L"].x(), -50);
+  EXPECT_GT(at["N"].y(), 60);
+  EXPECT_LT(at["Me"].z(), -60);
+  const double overjet = at["Is"].y() - at["Ii"].y(), truth = turned().truth.at("Is").y() - turned().truth.at("Ii").y();
+  EXPECT_GT(truth, 3);
+  EXPECT_NEAR(overjet, truth, 2 * 1.5);  // two landmarks
+}
+
+}  // namespace test_patient_model
+}  // namespace limberg
