@@ -46,6 +46,7 @@ int run_main(int argc, char** argv) {
   add_calibrate(app, chosen);
   add_devices(app, chosen);
   add_fit(app, chosen);
+  add_patient(app, chosen);
   add_superpose(app, chosen);
   add_measures(app, chosen);
   add_actions(app, chosen);

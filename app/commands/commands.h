@@ -31,6 +31,7 @@ int run_bench_beside(const std::vector<std::string>& words);
 void add_calibrate(CLI::App& app, Chosen& chosen);
 void add_devices(CLI::App& app, Chosen& chosen);
 void add_fit(CLI::App& app, Chosen& chosen);
+void add_patient(CLI::App& app, Chosen& chosen);
 void add_superpose(CLI::App& app, Chosen& chosen);
 void add_design(CLI::App& app, Chosen& chosen);
 void add_measures(CLI::App& app, Chosen& chosen);

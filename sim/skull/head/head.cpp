@@ -6,7 +6,9 @@
 #include "sim/base/error.h"
 #include "sim/base/field_hash.h"
 #include "sim/base/hash.h"
+#include "sim/geometry/bvh.h"
 #include "sim/skull/bone/words.h"
+#include "sim/skull/simplex/dual.h"
 
 namespace limberg {
 
@@ -200,6 +202,22 @@ ActedOnHead Head::act(const JoinFragments& j) {
 
 // ---- acts on face and landmarks ----
 
+namespace {
+
+// mm: skin with no bone nearer lies over none. A third of what is nearest, and 5 mm, may be added where the way is along
+// the normal (tissue_build.cpp), and no tissue is thicker than 60.
+constexpr double kOverBone_mm = 34;
+
+/// Those vertices of a region of the face that have bone near.
+std::vector<int32_t> over_bone(const simplex::Mesh& face, std::vector<int32_t> region, const simplex::Mesh& bones) {
+  const simplex::FanTriangles fan = simplex::fan_triangles(bones);
+  const Bvh bvh(fan.X_mm, fan.tri);
+  std::erase_if(region, [&](int32_t v) { return bvh.closest(face.x_mm[size_t(v)], kOverBone_mm).triangle < 0; });
+  return region;
+}
+
+}  // namespace
+
 Outcome Head::connect(const ConnectTissue& t) {
   if (!has_face_) return refuse("there is no face; expected a head with one");
   for (const ConnectTissue& k : state_.tissues)
@@ -215,7 +233,12 @@ Outcome Head::connect(const ConnectTissue& t) {
         plan.skull_region.push_back(v);
     if (plan.skull_region.empty()) return refuse("there is no bone within bone_radius_mm of that place; expected some");
   }
-  const Outcome o = face_.connect(placed_, std::move(plan), &bones_.mesh());
+  Outcome o = face_.connect(placed_, plan, &bones_.mesh());
+  if (!o.done) {
+    // A region that reaches a rim of the face, or skin under which there is no bone, ends before them.
+    plan.face_region = simplex::patch_of(face, over_bone(face, std::move(plan.face_region), placed_));
+    if (!plan.face_region.empty() && face_.connect(placed_, std::move(plan), &bones_.mesh()).done) o = {true, {}};
+  }
   if (o.done) state_.tissues.push_back(t);
   return o;
 }

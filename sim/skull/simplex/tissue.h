@@ -105,6 +105,10 @@ TissueResult build_tissue(const Mesh& face, std::span<const int32_t> face_region
 /// Vertices within so many mm of v along edges, v first: a region as a cursor paints it.
 std::vector<int32_t> region_around(const Mesh& mesh, int32_t v, double radius_mm);
 
+/// Of a region what build_tissue takes: no vertex on a rim, one part (that of the first vertex that is left), nowhere
+/// pinched. A region that is such already comes back as it is.
+std::vector<int32_t> patch_of(const Mesh& mesh, std::vector<int32_t> region);
+
 /// Places the ends where the face and the skull are now.
 void follow(Tissue& tissue, const Mesh& face, const Mesh& skull);
 

@@ -361,6 +361,39 @@ std::vector<int32_t> region_around(const Mesh& m, int32_t v, double radius) {
   return region;
 }
 
+std::vector<int32_t> patch_of(const Mesh& m, std::vector<int32_t> region) {
+  std::vector<uint8_t> in(m.nbr.size(), 0);
+  for (const int32_t v : region)
+    in[size_t(v)] = m.alive(v) && std::none_of(m.left[size_t(v)].begin(), m.left[size_t(v)].end(),
+                                               [&](int32_t f) { return is_end(m.kind(f)); });
+  // Where a face is entered and left more than once, two borders touch at its middle.
+  for (bool pinched = true; pinched;) {
+    pinched = false;
+    for (const int32_t v : region)
+      for (const int32_t f : m.left[size_t(v)]) {
+        if (!in[size_t(v)]) break;
+        const std::vector<int32_t> ring = m.ring(f);
+        int entries = 0;
+        for (size_t k = 0; k < ring.size(); ++k)
+          entries += !in[size_t(ring[k])] && in[size_t(ring[(k + 1) % ring.size()])];
+        if (entries < 2) continue;
+        for (const int32_t u : ring) in[size_t(u)] = 0;
+        pinched = true;
+      }
+  }
+  std::vector<int32_t> stack;
+  const auto first = std::find_if(region.begin(), region.end(), [&](int32_t v) { return in[size_t(v)] == 1; });
+  if (first != region.end()) stack.push_back(*first), in[size_t(*first)] = 2;
+  while (!stack.empty()) {
+    const int32_t v = stack.back();
+    stack.pop_back();
+    for (const int32_t u : m.nbr[size_t(v)])
+      if (in[size_t(u)] == 1) in[size_t(u)] = 2, stack.push_back(u);
+  }
+  std::erase_if(region, [&](int32_t v) { return in[size_t(v)] != 2; });
+  return region;
+}
+
 TissueResult build_tissue(const Mesh& face, std::span<const int32_t> region, const Mesh& skull,
                           std::span<const int32_t> skull_region, const TissueSettings& s, Workers& workers) {
   TissueResult out;
