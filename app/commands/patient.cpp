@@ -15,6 +15,7 @@
 #include "app/operating_point/cpu_clock.h"
 #include "app/patient/scene_text.h"
 #include "app/patient/slices.h"
+#include "app/patient/tissue_reach.h"
 #include "app/program/interrupt.h"
 #include "app/result/metrics.h"
 #include "app/result/output.h"
@@ -133,12 +134,12 @@ LoadedVolume load(const PatientOptions& o, std::string& series) {
   return v;
 }
 
-void write_files(const PatientOptions& o, const PatientModel& p) {
+void write_files(const PatientOptions& o, const PatientModel& p, double reach_mm) {
   const std::string& dir = o.common.out_dir;
   for (const PatientBone& b : p.bone) simplex::save_mesh(b.mesh, dir + "/" + b.name + ".simplex");
   if (p.face.slots() > 0) simplex::save_mesh(p.face, dir + "/face.simplex");
   write_whole_file(dir + "/patient.toml",
-                   patient_scene(p, "From " + fs::path(o.input).lexically_normal().filename().string()));
+                   patient_scene(p, reach_mm, "From " + fs::path(o.input).lexically_normal().filename().string()));
   if (const std::string s = genioplasty_script(p); !s.empty()) write_whole_file(dir + "/genioplasty.jsonl", s);
 }
 
@@ -306,10 +307,12 @@ int run_patient(const PatientOptions& o) {
   } catch (const InputError& e) {
     throw InputError(o.input, 0, e.what());
   }
+  progress.note("soft tissue");
+  const double reach_mm = tissue_reach_mm(p, kPatientTissue_kPa, kPatientTissueLayers, workers);
   const double cpu_s = (bench::cpu_ms() - start_ms) * 1e-3;
   progress.clear();
   catch_interrupts();
-  write_files(o, p);
+  write_files(o, p, reach_mm);
   int64_t seen = 0, all = 0;
   for (const PatientBone& b : p.bone) seen += b.cortex.found, all += b.cortex.vertices;
   const double found = all > 0 ? double(seen) / double(all) : 0;
@@ -317,6 +320,8 @@ int run_patient(const PatientOptions& o) {
   std::vector<std::string> notes = loaded.notes;
   notes.push_back(p.offset_why);
   notes.insert(notes.end(), p.notes.begin(), p.notes.end());
+  notes.push_back(reach_mm > 0 ? fmt::format("soft tissue is laid within {:.0f} mm of the nose", reach_mm)
+                               : "no soft tissue could be laid between skin and bone: the face does not follow");
   for (const auto& [cut, name] : {std::pair(&p.parts.mandible, "the mandible"), std::pair(&p.parts.spine, "the spine")})
     if (const std::string w = cut_words(*cut, name, p.offset); !w.empty()) notes.push_back(w);
   if (p.solid.thin_mm2 > 0)

@@ -8,11 +8,6 @@ namespace limberg {
 
 namespace {
 
-// From the nose: forehead, cheeks, lips and chin. Farther back columns of tissue get so thin here and there that the
-// elastic body runs away (a real CT: 120 mm do, 150 do not, 2026-11-27).
-constexpr double kTissueRadius_mm = 110;
-constexpr double kTissueYoung_kPa = 15;  // as in the shipped heads
-
 std::string place(const Vec3& x) { return fmt::format("[{:.2f}, {:.2f}, {:.2f}]", x.x(), x.y(), x.z()); }
 
 const FoundLandmark* find(const PatientModel& p, const std::string& name) {
@@ -34,7 +29,7 @@ std::string quoted_toml(const std::string& text) {
 
 }  // namespace
 
-std::string patient_scene(const PatientModel& p, const std::string& note) {
+std::string patient_scene(const PatientModel& p, double reach_mm, const std::string& note) {
   std::string bones, fixed;
   Vec3 low = Vec3::Constant(1e300), high = -low;
   for (const PatientBone& b : p.bone) {
@@ -48,18 +43,11 @@ std::string patient_scene(const PatientModel& p, const std::string& note) {
   t += "name = \"patient\"\nnote = " + quoted_toml(note) + "\n\n[head]\nsource = \"files\"\nbones = [" + bones + "]\n";
   if (face) t += "face = \"face.simplex\"\n";
   t += "fixed = [" + fixed + "]\niterations_per_step = 12\n\n";
-  if (face) {
-    const FoundLandmark* sn = find(p, "sn");
-    t += "# Soft tissue between all bone and the skin over it.\n[[head.tissue]]\nname = \"soft tissue\"\nface = " +
-         (sn ? std::string("\"sn\"") : place(Vec3(0, high.y(), 0.5 * (low.z() + high.z())))) +
-         fmt::format("\nface_radius_mm = {:.0f}\nlayers = 2\nyoung_kPa = {:.0f}\nmode = \"finite_elements\"\n\n",
-                     kTissueRadius_mm, kTissueYoung_kPa);
-    // The bone end is named by a place of its own: the nearest bone.
-    if (const FoundLandmark* a = find(p, "A"); sn && a) {
-      const size_t at = t.rfind("face_radius_mm");
-      t.insert(at, "bone = \"A\"\n");
-    }
-  }
+  if (face && reach_mm > 0)
+    t += fmt::format(
+        "# Soft tissue between bone and the skin over it.\n[[head.tissue]]\nname = \"soft tissue\"\nface = "
+        "\"sn\"\nface_radius_mm = {:.0f}\nlayers = {}\nyoung_kPa = {:.0f}\nmode = \"finite_elements\"\n\n",
+        reach_mm, kPatientTissueLayers, kPatientTissue_kPa);
   for (const bool skin : {false, true}) {
     if (skin && !face) break;
     t += skin ? "\n[head.face_landmarks]\n" : "[head.landmarks]\n";
@@ -78,8 +66,8 @@ std::string genioplasty_script(const PatientModel& p) {
   const auto jaw =
       std::find_if(p.bone.begin(), p.bone.end(), [](const PatientBone& x) { return x.name == "mandible"; });
   if (!pog || !me || jaw == p.bone.end()) return "";
-  // The lowest 14 mm of the chin, where no roots of teeth are, by a plane that rises backwards by 15 degrees as the lower
-  // border does. The piece is named by its lowest place.
+  // The lowest 14 mm of the chin, where no roots of teeth are, by a plane that rises backwards by 15 degrees as the
+  // lower border does. The piece is named by its lowest place.
   const Vec3 at(0, me->at_mm.y(), me->at_mm.z() + 14);
   std::string s =
       "{\"limberg_script\":1,\"scene\":\"patient\",\"note\":\"Genioplasty: the chin is cut off and carried 6 mm "

@@ -6,9 +6,13 @@
 
 namespace limberg {
 
-/// A scene of the meshes cranium.simplex, mandible.simplex, ... and face.simplex beside it: landmarks, tissue between all
-/// bone and the skin over it, camera. `note`: one line on where it comes from.
-std::string patient_scene(const PatientModel& patient, const std::string& note);
+constexpr int kPatientTissueLayers = 2;
+constexpr double kPatientTissue_kPa = 15;  // as in the shipped heads
+
+/// A scene of the meshes cranium.simplex, mandible.simplex, ... and face.simplex beside it: landmarks, camera, and
+/// tissue between bone and the skin over it within `reach_mm` of the landmark sn (tissue_reach.h; 0: none). `note`: one
+/// line on where it comes from.
+std::string patient_scene(const PatientModel& patient, double reach_mm, const std::string& note);
 
 /// A genioplasty as a script: the chin cut off below the front teeth and carried 6 mm forwards. Empty: no mandible, or
 /// its landmarks are missing.

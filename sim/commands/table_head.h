@@ -1,8 +1,8 @@
 #pragma once
 // The rows of the acts on skull and face. Part of table.h, which says what a row is.
 //
-// Places are in mm in the frame of the head (x right, y forward, z up, origin between the ears), on the bones where they
-// were at first. A fragment is given by its number or by a place [x, y, z] on it.
+// Places are in mm in the frame of the head (x right, y forward, z up, origin between the ears), on the bones where
+// they were at first. A fragment is given by its number or by a place [x, y, z] on it.
 #include "sim/commands/table.h"
 
 namespace limberg {

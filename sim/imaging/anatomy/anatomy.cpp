@@ -71,7 +71,7 @@ struct Seeker {
     return std::move(out);
   }
 
-  /// The patient's bone is moved: all of it has its like on the synthetic head, while the picture may end below the vault.
+  /// The patient's bone is moved: all of it has its like on the synthetic head; the picture may end below the vault.
   void lay() {
     const Surface whole = surface_of_mesh(atlas.cranium);
     const SurfaceTarget model(whole);
@@ -197,7 +197,7 @@ struct Seeker {
     const Eigen::Isometry3d back = out.to_head.inverse();
     for (Named& n : named) {
       const LandmarkRule& r = *n.rule;
-      // A rule that looks at one place only says nothing of its own: the place of the laid skull is brought to the bone.
+      // A rule that looks at one place only says nothing of its own: that of the laid skull is brought to the bone.
       const bool one_place = r.reach_mm[0] == 0 && r.reach_mm[1] == 0;
       const Bvh& at = r.surface == LandmarkRule::Surface::skull      ? skull
                       : r.surface == LandmarkRule::Surface::mandible ? mandible

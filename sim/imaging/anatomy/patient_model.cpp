@@ -13,8 +13,9 @@ namespace limberg {
 namespace {
 
 constexpr double kBin = 20, kAirWithin = 130;  // HU
-constexpr double kTallSlice = 1.5, kTallSlice_mm = 1.8;  // slices are interpolated when longer than this times a pixel, and this
-constexpr double kThinWallVoxel_mm = 2;        // in longer voxels crests of soft tissue pass for walls
+constexpr double kTallSlice = 1.5,
+                 kTallSlice_mm = 1.8;    // slices are interpolated when longer than this times a pixel, and this
+constexpr double kThinWallVoxel_mm = 2;  // in longer voxels crests of soft tissue pass for walls
 // Compact bone in Hounsfield units, of which the one is taken that fits (cortex_fit.h).
 constexpr double kCompact_HU[] = {1000, 1100, 1200, 1300};
 constexpr double kLeastBone_cm3 = 2;  // smaller parts are left out

@@ -1,5 +1,5 @@
 #pragma once
-// A patient from a CT: skull with two tables, mandible and spine as solids, skin, landmarks, all in the frame of the head.
+// A patient from a CT: skull with two tables, mandible and spine as solids, skin, landmarks, in the frame of the head.
 //
 //   numbers     where air lies says what the numbers are above Hounsfield units (0 or 1024)
 //   slices      tall ones are interpolated by shape, for bone and for skin (fit/shape_interpolation.h)

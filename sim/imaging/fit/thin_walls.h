@@ -29,7 +29,7 @@ struct WallRule {
 std::vector<size_t> thin_walls(const Volume& values, const std::vector<uint8_t>& set, const std::vector<uint8_t>& may,
                                const WallRule& rule, Workers& workers);
 
-/// Whether the crest of a sheet passes by node `i` of `blurred` (an even grid; not at its border); `across`: the sheet's
+/// Whether the crest of a sheet passes by node `i` of `blurred` (an even grid; not at its border); `across`: its
 /// normal, along the axes of the grid.
 bool crest_passes(const Volume& blurred, size_t i, Vec3& across);
 

@@ -27,6 +27,7 @@ constexpr int kRungs = 24;                                   // densities that a
 constexpr double kNearest_mm = 4;                            // loose pieces (teeth) belong to the part that is so near
 
 struct Parter {
+  Parter(const BoneSolid& from, double above, Workers& w) : s(from), iso(above), workers(w) {}
   const BoneSolid& s;
   double iso;
   Workers& workers;
@@ -252,7 +253,7 @@ struct Parter {
 }  // namespace
 
 BoneParts part_bones(const BoneSolid& solid, double iso, Workers& workers) {
-  return Parter{solid, iso, workers, {}}.run();
+  return Parter(solid, iso, workers).run();
 }
 
 BoneSolid only(const BoneSolid& solid, const BoneParts& parts, BonePart part, Workers& workers) {

@@ -1,8 +1,8 @@
 #pragma once
 // Skull, mandible and spine of a bone solid, parted where the least bone holds them together.
 //
-// In a picture the condyles lie in their sockets and the teeth upon each other with a gap of a voxel or none. So bone is
-// taken for a network of its nodes, each tied to its six neighbours as firmly as the bone between them is dense, and cut
+// In a picture the condyles lie in their sockets and the teeth upon each other with a gap of a voxel or none. So bone
+// is a network of its nodes, each tied to its six neighbours as firmly as the bone between them is dense, and is cut
 // where the least is cut between what is skull for certain and what is mandible for certain (minimal cut by Boykov and
 // Kolmogorov 2004, Boost). For certain are
 //

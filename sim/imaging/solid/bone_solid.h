@@ -7,8 +7,8 @@
 //               says (wall_sheets.h)
 //   cavities    what bone encloses on all sides. Diploe, marrow and specks are filled: those that are small, or so
 //               narrow that no ball of `narrow_mm` finds room. The others (sinuses) stay hollow, and a passage of
-//               `passage_mm` is drilled from each along the way that costs the least bone, as nature's ostia do: so bone
-//               is bounded by one closed surface
+//               `passage_mm` is drilled from each along the way that costs the least bone, as nature's ostia do: so
+//               bone is bounded by one closed surface
 //   borders     where bone leaves the volume it ends there, in a flat face
 //
 // The result is a distance, below 0 in bone, on an even grid; near the surface it is that of the isovalue to well below

@@ -1,7 +1,7 @@
 #pragma once
 // Where the surface of bone lies, to a part of a voxel, and how thick its cortex is.
 //
-// No isovalue is right everywhere: half-way between soft tissue and dense bone it loses thin cortex, below that it makes
+// No isovalue is right everywhere: half-way between soft tissue and dense bone it loses thin cortex, below it makes
 // thick bone thicker (by 1 mm on each side at 250 HU in voxels of 2 mm, synthetic head, 2026-11-27). So along the
 // normal of a surface the picture is taken for three materials, blurred by the scanner,
 //

@@ -7,7 +7,7 @@
 //
 //   thickness = integral of (I - B) / (C - B) across the wall,   middle = the centre of mass of I - B
 //
-// whatever the spread (Treece, Gee, Mayhew, Poole 2010 fit the same model to cortices, with C from where bone is thick).
+// whatever the spread (Treece, Gee, Mayhew, Poole 2010 fit this model to cortices, with C from where bone is thick).
 #include <vector>
 
 #include "sim/imaging/io/volume.h"

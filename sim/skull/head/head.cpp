@@ -204,8 +204,8 @@ ActedOnHead Head::act(const JoinFragments& j) {
 
 namespace {
 
-// mm: skin with no bone nearer lies over none. A third of what is nearest, and 5 mm, may be added where the way is along
-// the normal (tissue_build.cpp), and no tissue is thicker than 60.
+// mm: skin with no bone nearer lies over none. Six tenths of what is nearest, and 5 mm, may be added where the way is
+// along the normal (tissue_build.cpp), and no tissue is thicker than 60.
 constexpr double kOverBone_mm = 34;
 
 /// Those vertices of a region of the face that have bone near.

@@ -88,7 +88,7 @@ TEST(PatientModel, SkullAndMandibleArePartedAsTheyAre) {
 }
 
 TEST(PatientModel, SurfacesLieOnBoneToATenthOfAVoxelAtTheMedian) {
-  // Half a voxel is the bar of the issue for thickness (both surfaces), a quarter a surface. Median: .10 mm (2026-11-27).
+  // Half a voxel is the bar for thickness (both surfaces), a quarter for a surface.
   for (size_t b = 0; b < 2; ++b) {
     std::vector<double> off;
     for (const Vec3& x : turned().patient.bone[b].mesh.x_mm) off.push_back(std::abs(to_bone(turned(), x, b == 1)));

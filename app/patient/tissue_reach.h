@@ -1,0 +1,13 @@
+#pragma once
+// How far from the nose soft tissue can be laid between a patient's face and bones: a scene that is left behind runs.
+#include "sim/base/workers.h"
+#include "sim/imaging/anatomy/patient_model.h"
+
+namespace limberg {
+
+/// The largest of some radii about the landmark sn (mm) at which a head with that tissue can be built, and at which its
+/// face comes to rest after the mandible (without one: a fragment of the skull's own) was moved by a millimetre and
+/// back. 0: none, or there is no sn.
+double tissue_reach_mm(const PatientModel& patient, double young_kPa, int layers, Workers& workers);
+
+}  // namespace limberg
