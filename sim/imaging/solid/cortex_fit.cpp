@@ -116,7 +116,7 @@ Blur blur_of(const Volume& v, double point_mm) {
 }
 
 CortexReport put_on_cortex(simplex::Mesh& m, const Volume& v, const std::vector<double>& densities, double reach,
-                           Workers& workers) {
+                           Workers& workers, double slice_mm) {
   CortexReport out;
   const VolumeSampler sampler(v);
   const size_t slots = size_t(m.slots());
@@ -127,11 +127,16 @@ CortexReport put_on_cortex(simplex::Mesh& m, const Volume& v, const std::vector<
       if (!f.degenerate) normal[size_t(i)] = f.N;
     }
   const double step = reach / kProfileHalf;
-  const auto look = [&](size_t i, const Blur& blur, double density) {
+  const auto look = [&](size_t i, double point, double density) {
     std::array<double, 2 * kProfileHalf + 1> f{};
     for (int k = -kProfileHalf; k <= kProfileHalf; ++k)
       f[size_t(k + kProfileHalf)] = sampler.value(m.x_mm[i] + k * step * normal[i]);
-    return fit_cortex(f, step, blur.along(normal[i]), density);
+    Blur blur = blur_of(v, point);
+    const Cortex first = fit_cortex(f, step, blur.along(normal[i]), density);
+    if (!(slice_mm > 0)) return first;
+    blur.variance_mm2[2] = slice_mm * slice_mm * (1. / 12 + 1. / 6) + point * point;
+    const Cortex tall = fit_cortex(f, step, blur.along(normal[i]), density);
+    return tall.rms < first.rms ? tall : first;
   };
   // The density and the blur that leave the least at some of the vertices.
   double least = std::numeric_limits<double>::infinity(), cortical = densities.front();
@@ -142,23 +147,21 @@ CortexReport put_on_cortex(simplex::Mesh& m, const Volume& v, const std::vector<
   std::vector<double> rms(some.size());
   for (const double density : densities)
     for (const double point : {0.3, 0.45, 0.6, 0.75, 0.9, 1.1, 1.3}) {
-      const Blur blur = blur_of(v, point);
       workers.parallel_for(some.size(), 16, [&](size_t b, size_t e) {
-        for (size_t k = b; k < e; ++k) rms[k] = look(some[k], blur, density).rms;
+        for (size_t k = b; k < e; ++k) rms[k] = look(some[k], point, density).rms;
       });
       if (rms.empty()) break;
       std::nth_element(rms.begin(), rms.begin() + std::ptrdiff_t(rms.size() / 2), rms.end());
       if (rms[rms.size() / 2] < least) least = rms[rms.size() / 2], out.point_mm = point, cortical = density;
     }
   out.cortical = cortical;
-  const Blur blur = blur_of(v, out.point_mm);
   std::vector<double> shift(slots, 0);
   std::vector<uint8_t> found(slots, 0);
   out.cortex_mm.assign(slots, std::numeric_limits<float>::quiet_NaN());
   workers.parallel_for(slots, 256, [&](size_t b, size_t e) {
     for (size_t i = b; i < e; ++i) {
       if (!m.alive(int32_t(i)) || normal[i] == Vec3::Zero()) continue;
-      const Cortex c = look(i, blur, cortical);
+      const Cortex c = look(i, out.point_mm, cortical);
       if (!c.found) continue;
       found[i] = 1, shift[i] = c.outer_mm, out.cortex_mm[i] = float(c.outer_mm - c.inner_mm);
     }

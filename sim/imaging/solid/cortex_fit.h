@@ -45,10 +45,12 @@ struct CortexReport {
   double thickness_mm = 0;          // median of the cortex
   std::vector<float> cortex_mm;     // per vertex slot; NaN where none was found
 };
+/// `slice_mm` above 0: slices so far apart were interpolated by shape along axis 2, so that across a steep surface the
+/// blur is that within a slice, and across a flat one that of a tall voxel: each vertex takes what fits it better.
 /// Moves the vertices of a closed mesh near the surface of bone to where the surface lies, along their normals, no
 /// farther than `reach_mm`. `volume` is not smoothed. `densities`: of compact bone, of which the one is taken that fits
 /// best. A scan in which no cortex is thicker than the blur cannot tell a denser one from a thicker one.
 CortexReport put_on_cortex(simplex::Mesh& mesh, const Volume& volume, const std::vector<double>& densities,
-                           double reach_mm, Workers& workers);
+                           double reach_mm, Workers& workers, double slice_mm = 0);
 
 }  // namespace limberg
