@@ -112,7 +112,8 @@ std::optional<HeadScene> read_head(const toml::table& root, const std::string& f
       std::string axes;
       t.text("axes", axes);
       if (axes != "lps" && axes != "head")
-        t.fail("axes", "are no known ones; expected \"lps\" (left, posterior, superior) or \"head\" (right, forwards, up)");
+        t.fail("axes",
+               "are no known ones; expected \"lps\" (left, posterior, superior) or \"head\" (right, forwards, up)");
       h.axes = axes == "lps" ? simplex::Axes::left_posterior_superior : simplex::Axes::right_forwards_up;
     }
     if (t.has("face") && table.get("face")->is_string())

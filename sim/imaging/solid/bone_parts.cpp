@@ -252,9 +252,7 @@ struct Parter {
 
 }  // namespace
 
-BoneParts part_bones(const BoneSolid& solid, double iso, Workers& workers) {
-  return Parter(solid, iso, workers).run();
-}
+BoneParts part_bones(const BoneSolid& solid, double iso, Workers& workers) { return Parter(solid, iso, workers).run(); }
 
 BoneSolid only(const BoneSolid& solid, const BoneParts& parts, BonePart part, Workers& workers) {
   BoneSolid out = solid;

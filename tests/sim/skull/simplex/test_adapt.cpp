@@ -204,7 +204,8 @@ TEST(File, BrokenInputHasAMessage) {
   EXPECT_NE(message("limberg-simplex 2\n").find("version"), std::string::npos);
   EXPECT_NE(message("limberg-simplex 1\n").find("no vertices"), std::string::npos);
   EXPECT_NE(message("limberg-simplex 1\nz 3\n").find("F:2"), std::string::npos);
-  EXPECT_NE(message("limberg-simplex 1\naxes ras\n").find("are no known axes; expected lps or head"), std::string::npos);
+  EXPECT_NE(message("limberg-simplex 1\naxes ras\n").find("are no known axes; expected lps or head"),
+            std::string::npos);
   EXPECT_NE(message("limberg-simplex 1\naxes lps\naxes lps\n").find("F:3"), std::string::npos);
   EXPECT_NE(message(good + "axes lps\n").find("before the first vertex"), std::string::npos);
   EXPECT_NE(message(good + "q\n").find("no statement"), std::string::npos);
