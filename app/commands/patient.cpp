@@ -27,7 +27,6 @@
 #include "sim/imaging/fit/surface_distances.h"
 #include "sim/imaging/io/dicom.h"
 #include "sim/measure/cephalometry.h"
-#include "sim/skull/simplex/dual.h"
 #include "sim/skull/simplex/file.h"
 
 namespace limberg {
@@ -163,14 +162,11 @@ std::vector<PartInPicture> in_picture(const PatientModel& p) {
   std::vector<PartInPicture> out;
   const Eigen::Isometry3d back = p.anatomy.to_head.inverse();
   const auto add = [&](const std::string& name, const simplex::Mesh& m) {
-    const simplex::FanTriangles fan = simplex::fan_triangles(m);
-    PartInPicture part{name, {}};
-    for (const Vec3& x : fan.X_mm) {
+    PartInPicture part{name, triangles_of(m)};
+    for (Vec3& x : part.surface.x_mm) {
       const Vec3 y = back * x;
-      part.surface.x_mm.push_back({-y.x(), -y.y(), y.z()});
+      x = Vec3(-y.x(), -y.y(), y.z());
     }
-    for (size_t t = 0; t < fan.tri.size(); ++t)
-      if (!simplex::is_end(m.kind(fan.face[t]))) part.surface.tri.push_back(fan.tri[t]);
     out.push_back(std::move(part));
   };
   for (const PatientBone& b : p.bone) add(b.name, b.mesh);
@@ -204,8 +200,7 @@ std::vector<ResultApart> distances(const Volume& v, const PatientModel& p, const
     to.x_mm.insert(to.x_mm.end(), part.surface.x_mm.begin(), part.surface.x_mm.end());
     for (const Tri& t : part.surface.tri) to.tri.push_back({t[0] + first, t[1] + first, t[2] + first});
   }
-  double voxel = 0;
-  for (int k = 0; k < 3; ++k) voxel = std::max(voxel, v.step_mm.col(k).norm());
+  const double voxel = longest_step_mm(v);
   const double compact = p.bone.empty() ? 1150 + p.offset : p.bone.front().cortex.cortical;
   for (const bool of_skin : {false, true}) {
     const Surface& s = of_skin ? skin : bone;
@@ -328,7 +323,7 @@ int run_patient(const PatientOptions& o) {
     notes.push_back(
         fmt::format("{:.0f} cm2 of walls thinner than the voxels show (median {:.2f} mm), drawn at least "
                     "{:.2f} mm thick",
-                    1e-2 * p.solid.thin_mm2, p.solid.thinnest_mm, p.solid.as_mm));
+                    1e-2 * p.solid.thin_mm2, p.solid.thin_median_mm, p.solid.as_mm));
   for (const BoneCavity& c : p.solid.cavity)
     notes.push_back(fmt::format("a cavity of {:.1f} cm3 is kept and opened by a passage", 1e-3 * c.volume_mm3));
   if (p.solid.dropped > 0)

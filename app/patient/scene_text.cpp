@@ -4,11 +4,16 @@
 
 #include <algorithm>
 
+#include "sim/commands/script.h"
+
 namespace limberg {
 
 namespace {
 
 std::string place(const Vec3& x) { return fmt::format("[{:.2f}, {:.2f}, {:.2f}]", x.x(), x.y(), x.z()); }
+
+/// As a scene writes places; no -0.
+Vec3 to_hundredths(const Vec3& x) { return ((100 * x).array().round() / 100 + 0.).matrix(); }
 
 const FoundLandmark* find(const PatientModel& p, const std::string& name) {
   const auto& all = p.anatomy.landmark;
@@ -57,7 +62,7 @@ std::string patient_scene(const PatientModel& p, double reach_mm, const std::str
   }
   const Vec3 middle = 0.5 * (low + high);
   t += "\n[camera]\ntarget_mm = " + place(middle) + "\nfrom = [-0.6, 1.0, 0.16]\nup = [0, 0, 1]\n" +
-       fmt::format("distance_mm = {:.0f}\nfov_deg = 26\n", 2.2 * (high - low).norm() / 1.15);
+       fmt::format("distance_mm = {:.0f}\nfov_deg = 26\n", 1.9 * (high - low).norm());
   return t;
 }
 
@@ -69,16 +74,17 @@ std::string genioplasty_script(const PatientModel& p) {
   // The lowest 14 mm of the chin, where no roots of teeth are, by a plane that rises backwards by 15 degrees as the
   // lower border does. The piece is named by its lowest place.
   const Vec3 at(0, me->at_mm.y(), me->at_mm.z() + 14);
-  std::string s =
-      "{\"limberg_script\":1,\"scene\":\"patient\",\"note\":\"Genioplasty: the chin is cut off and carried 6 mm "
-      "forwards\"}\n{\"action\":\"stage\",\"name\":\"before\"}\n";
-  s += fmt::format("{{\"action\":\"osteotomy\",\"point\":{},\"normal\":[0,0.26,0.97],\"radius_mm\":32}}\n", place(at));
-  s += fmt::format(
-      "{{\"action\":\"stage\",\"name\":\"chin "
-      "cut\"}}\n{{\"action\":\"move_fragment\",\"fragment\":{},\"translation_mm\":[0,6,0],\"seconds\":3}}\n",
-      place(me->at_mm));
-  s += "{\"action\":\"stage\",\"name\":\"chin forwards\"}\n";
-  return s;
+  CutBone cut;
+  cut.point_mm = to_hundredths(at), cut.normal = Vec3(0, 0.26, 0.97), cut.radius_mm = 32;
+  MoveFragment forwards;
+  forwards.fragment.at_mm = to_hundredths(me->at_mm);
+  forwards.by.translation_mm = {0, 6, 0}, forwards.seconds = 3;
+  Script s;
+  s.header.scene = "patient", s.header.note = "Genioplasty: the chin is cut off and carried 6 mm forwards";
+  for (const Command& c : {Command(Stage{"before"}), Command(HeadCommand(cut)), Command(Stage{"chin cut"}),
+                           Command(HeadCommand(forwards)), Command(Stage{"chin forwards"})})
+    s.lines.push_back({0, c});
+  return to_text(s);
 }
 
 }  // namespace limberg

@@ -6,8 +6,8 @@
 namespace limberg {
 
 /// The largest of some radii about the landmark sn (mm) at which a head with that tissue can be built, and at which its
-/// face comes to rest after the mandible (without one: a fragment of the skull's own) was moved by a millimetre and
-/// back. 0: none, or there is no sn.
+/// face does not run away when the first bone that may move (the mandible) is moved by a millimetre. 0: none, or there
+/// is no sn.
 double tissue_reach_mm(const PatientModel& patient, double young_kPa, int layers, Workers& workers);
 
 }  // namespace limberg

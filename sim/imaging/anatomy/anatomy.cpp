@@ -7,7 +7,6 @@
 
 #include "sim/base/elementary.h"
 #include "sim/base/error.h"
-#include "sim/skull/simplex/dual.h"
 
 namespace limberg {
 
@@ -15,21 +14,14 @@ namespace {
 
 constexpr double kAtlasBrain_mm[3] = {0, 0, 55};  // middle of the synthetic head's hollow (part_bones, 2026-11-27)
 constexpr double kTilts_deg[] = {0, -15, 15, -30, 30};
-constexpr double kCut_mm[] = {0, 25,
-                              50};    // so much lower lies the middle of a hollow whose vault is not in the picture
+// So much lower lies the middle of a hollow whose vault is not in the picture.
+constexpr double kCut_mm[] = {0, 25, 50};
 constexpr double kPatch_mm = 30;      // of the synthetic head around a landmark
 constexpr double kPatchMove_mm = 15;  // that it may go
 constexpr double kMostScale = 0.2;    // heads of all ages from four years on are within it (head lengths, Farkas 1994)
 constexpr double kSlack_mm = 1;       // a rule looks so much farther than on the synthetic head
 constexpr double kPastPlace_mm = 25;  // and a ray goes on so far behind it
 constexpr int kFrameRounds = 3;
-
-Surface surface_of_mesh(const simplex::Mesh& m) {
-  const simplex::FanTriangles fan = simplex::fan_triangles(m);
-  Surface s;
-  s.x_mm = fan.X_mm, s.tri = fan.tri;
-  return s;
-}
 
 Mat3 about_x(double deg) {
   const double a = deg * M_PI / 180;
@@ -73,7 +65,7 @@ struct Seeker {
 
   /// The patient's bone is moved: all of it has its like on the synthetic head; the picture may end below the vault.
   void lay() {
-    const Surface whole = surface_of_mesh(atlas.cranium);
+    const Surface whole = triangles_of(atlas.cranium);
     const SurfaceTarget model(whole);
     const Vec3 brain(kAtlasBrain_mm[0], kAtlasBrain_mm[1], kAtlasBrain_mm[2]);
     IcpSettings quick;
@@ -101,7 +93,7 @@ struct Seeker {
     out.skull_rms_mm = least;
     mandible_map = skull_map = best.inverse();
     if (!patient.mandible.tri.empty()) {
-      const Surface jaw = surface_of_mesh(atlas.mandible);
+      const Surface jaw = triangles_of(atlas.mandible);
       fine.with_scale = true;
       if (const IcpResult j = icp(patient.mandible, SurfaceTarget(jaw), best, fine, workers); sound(j))
         mandible_map = j.map.inverse();
@@ -133,9 +125,9 @@ struct Seeker {
       Similarity map;
     };
     std::array<Pair, 3> pairs;  // skull, mandible, skin
-    pairs[0] = {surface_of_mesh(atlas.cranium), SurfaceTarget(patient.skull), skull_map};
-    if (!mandible.empty()) pairs[1] = {surface_of_mesh(atlas.mandible), SurfaceTarget(patient.mandible), mandible_map};
-    if (!skin.empty()) pairs[2] = {surface_of_mesh(atlas.face), SurfaceTarget(patient.skin), skull_map};
+    pairs[0] = {triangles_of(atlas.cranium), SurfaceTarget(patient.skull), skull_map};
+    if (!mandible.empty()) pairs[1] = {triangles_of(atlas.mandible), SurfaceTarget(patient.mandible), mandible_map};
+    if (!skin.empty()) pairs[2] = {triangles_of(atlas.face), SurfaceTarget(patient.skin), skull_map};
     IcpSettings s;
     s.keep = 0.7, s.iterations = 40, s.samples = 600;
     for (Named& n : named) {
@@ -228,7 +220,6 @@ struct Seeker {
                  most_b = r.reach_mm[1] > 0 ? r.reach_mm[1] + kSlack_mm : 0;
     double a0 = 0, b0 = 0, ra = most_a, rb = most_b;
     std::optional<Vec3> best;
-    const double start = r.back_mm;
     for (int round = 0; round < 7; ++round) {
       double best_a = a0, best_b = b0;
       const int na = ra > 0 ? 5 : 0, nb = rb > 0 ? 7 : 0;
@@ -236,9 +227,9 @@ struct Seeker {
         for (int j = -nb; j <= nb; ++j) {
           const double a = na ? std::clamp(a0 + ra * i / na, -most_a, most_a) : 0,
                        b = nb ? std::clamp(b0 + rb * j / nb, -most_b, most_b) : 0;
-          const Vec3 from = place + a * u + b * v - start * look;
+          const Vec3 from = place + a * u + b * v - r.back_mm * look;
           std::array<Bvh::LineHit, 8> hit;
-          const int hits = at.line(back * from, back.linear() * look, 0, start + kPastPlace_mm, hit);
+          const int hits = at.line(back * from, back.linear() * look, 0, r.back_mm + kPastPlace_mm, hit);
           for (int k = 0; k < std::min(hits, 8); ++k)
             if (hit[size_t(k)].from_outside) {
               const Vec3 p = from + hit[size_t(k)].t * look;

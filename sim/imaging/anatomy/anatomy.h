@@ -35,7 +35,7 @@ struct FoundLandmark {
 struct Anatomy {
   Eigen::Isometry3d to_head = Eigen::Isometry3d::Identity();  // from the frame of the surfaces to that of the head
   std::vector<FoundLandmark> landmark;                        // in the frame of the head
-  std::vector<std::string> missing;                           // names of those that no ray met
+  std::vector<std::string> missing;                           // names of landmarks that no ray met
   double skull_rms_mm = 0;                                    // of the laid skull, over the pairs that ICP kept
   double pitch_deg = 0, roll_deg = 0, yaw_deg = 0;            // of the head in the picture, from the frame of the head
   double symmetry_rms_mm = 0;                                 // of the skull against its mirror image

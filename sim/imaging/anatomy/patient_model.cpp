@@ -20,26 +20,6 @@ constexpr double kThinWallVoxel_mm = 2;  // in longer voxels crests of soft tiss
 constexpr double kCompact_HU[] = {1000, 1100, 1200, 1300};
 constexpr double kLeastBone_cm3 = 2;  // smaller parts are left out
 
-double longest_step(const Volume& v) {
-  double out = 0;
-  for (int k = 0; k < 3; ++k) out = std::max(out, v.step_mm.col(k).norm());
-  return out;
-}
-double shortest_step(const Volume& v) {
-  double out = 1e300;
-  for (int k = 0; k < 3; ++k) out = std::min(out, v.step_mm.col(k).norm());
-  return out;
-}
-
-Surface triangles_of(const simplex::Mesh& m) {
-  const simplex::FanTriangles fan = simplex::fan_triangles(m);
-  Surface s;
-  s.x_mm = fan.X_mm;
-  for (size_t t = 0; t < fan.tri.size(); ++t)
-    if (!simplex::is_end(m.kind(fan.face[t]))) s.tri.push_back(fan.tri[t]);
-  return s;
-}
-
 void move(simplex::Mesh& m, const Eigen::Isometry3d& by) {
   for (std::vector<Vec3>* places : {&m.x_mm, &m.before_mm})
     for (Vec3& x : *places) x = by * x;
@@ -53,7 +33,7 @@ double hounsfield_offset(const Volume& v, std::string& why) {
   std::vector<int64_t> count(size_t(std::min(400., (double(*high) - least) / kBin)) + 1, 0);
   for (const float x : v.value)
     if (const double b = (double(x) - least) / kBin; b < double(count.size())) ++count[size_t(b)];
-  // Air is the first peak that holds a fiftieth of all voxels: padding is even, but air is more.
+  // Air is the value that most voxels have within 1500 of the least one.
   size_t best = 0;
   for (size_t b = 0; b < count.size() && double(b) * kBin < 1500; ++b)
     if (count[b] > count[best]) best = b;
@@ -73,13 +53,6 @@ double hounsfield_offset(const Volume& v, std::string& why) {
           "bone)");
 }
 
-double enclosed_mm3(const simplex::Mesh& m) {
-  const simplex::FanTriangles fan = simplex::fan_triangles(m);
-  double six = 0;
-  for (const Tri& t : fan.tri) six += fan.X_mm[size_t(t[0])].dot(fan.X_mm[size_t(t[1])].cross(fan.X_mm[size_t(t[2])]));
-  return six / 6;
-}
-
 PatientModel make_patient(const Volume& given, const PatientSettings& s, const HeadModel& atlas, Workers& workers) {
   PatientModel out;
   const auto say = [&](const std::string& what) {
@@ -90,7 +63,7 @@ PatientModel make_patient(const Volume& given, const PatientSettings& s, const H
   else
     out.offset = hounsfield_offset(given, out.offset_why);
   out.bone_volume = out.skin_volume = given;
-  const double longest = longest_step(given), shortest = shortest_step(given);
+  const double longest = longest_step_mm(given), shortest = shortest_step_mm(given);
   if (longest > kTallSlice * shortest && longest > kTallSlice_mm) {
     say("slices between tall ones");
     const double step = std::max(shortest, 1.);
@@ -108,7 +81,7 @@ PatientModel make_patient(const Volume& given, const PatientSettings& s, const H
   else
     out.notes.push_back("voxels are longer than 2 mm: walls of bone thinner than one are lost where they fall below " +
                         std::to_string(int(s.bone_HU)) + " HU");
-  const BoneSolid solid = bone_solid(out.bone_volume, q, workers);
+  BoneSolid solid = bone_solid(out.bone_volume, q, workers);
   say("skull, mandible, spine");
   out.parts = part_bones(solid, q.iso, workers);
   std::vector<double> compact;
@@ -130,12 +103,12 @@ PatientModel make_patient(const Volume& given, const PatientSettings& s, const H
                              out.bone_volume.size == given.size ? 0 : longest);
     b.mesh.axes = simplex::Axes::left_posterior_superior;
     simplex::turn_to_head(b.mesh);
-    b.volume_cm3 = 1e-3 * enclosed_mm3(b.mesh), b.genus = simplex::census(b.mesh).genus;
+    b.volume_cm3 = 1e-3 * simplex::extent(b.mesh).volume_mm3, b.genus = simplex::census(b.mesh).genus;
     out.bone.push_back(std::move(b));
   }
   out.parts.of.clear();
-  out.solid = solid;
-  out.solid.distance = {}, out.solid.value.clear();
+  solid.distance = {}, solid.value = {};
+  out.solid = std::move(solid);
   say("skin");
   PrepareSettings p;
   p.iso = s.skin_HU + out.offset, p.seal_mm = 6;
@@ -147,8 +120,10 @@ PatientModel make_patient(const Volume& given, const PatientSettings& s, const H
   simplex::turn_to_head(out.face);
   say("landmarks");
   AnatomySurfaces a;
-  for (const PatientBone& b : out.bone)
-    (b.name == "cranium" ? a.skull : b.name == "mandible" ? a.mandible : a.skin) = triangles_of(b.mesh);
+  for (const PatientBone& b : out.bone) {
+    if (b.name == "cranium") a.skull = triangles_of(b.mesh);
+    if (b.name == "mandible") a.mandible = triangles_of(b.mesh);
+  }
   a.skin = triangles_of(out.face);
   a.brain_mm = Vec3(-out.parts.brain_mm.x(), -out.parts.brain_mm.y(), out.parts.brain_mm.z()), a.voxel_mm = longest;
   out.anatomy = find_anatomy(a, atlas, workers);

@@ -58,7 +58,4 @@ double hounsfield_offset(const Volume& volume, std::string& why);
 PatientModel make_patient(const Volume& volume, const PatientSettings& settings, const HeadModel& atlas,
                           Workers& workers);
 
-/// Volume inside a closed mesh, mm3 (the divergence theorem over the fans of its faces).
-double enclosed_mm3(const simplex::Mesh& mesh);
-
 }  // namespace limberg

@@ -10,6 +10,7 @@
 #include "sim/imaging/fit/grid_reach.h"
 #include "sim/imaging/fit/mouths.h"
 #include "sim/imaging/fit/thin_walls.h"
+#include "sim/imaging/solid/even_grid.h"
 
 namespace limberg {
 namespace {
@@ -84,21 +85,8 @@ void flood(const Size& n, const std::vector<uint8_t>& may, std::vector<size_t> s
 /// Keeps the 6-connected parts that have at least `share` of the nodes of the largest. Returns how many there were.
 int largest_parts(const Size& n, std::vector<uint8_t>& set, double share, int64_t& kept, int64_t& dropped,
                   int& kept_parts) {
-  std::vector<int32_t> of(set.size(), -1);
-  std::vector<int64_t> size;
-  std::vector<size_t> stack;
-  for (size_t i = 0; i < set.size(); ++i) {
-    if (!set[i] || of[i] >= 0) continue;
-    const int32_t part = int32_t(size.size());
-    size.push_back(1), of[i] = part, stack.assign(1, i);
-    while (!stack.empty()) {
-      const size_t v = stack.back();
-      stack.pop_back();
-      neighbours(n, v, [&](size_t j) {
-        if (set[j] && of[j] < 0) of[j] = part, ++size.back(), stack.push_back(j);
-      });
-    }
-  }
+  const GridParts parts = parts_of(n, set);
+  const std::vector<int64_t>& size = parts.nodes;
   kept = dropped = 0, kept_parts = 0;
   if (size.empty()) return 0;
   const size_t first = size_t(std::max_element(size.begin(), size.end()) - size.begin());
@@ -110,7 +98,7 @@ int largest_parts(const Size& n, std::vector<uint8_t>& set, double share, int64_
       kept += size[part], ++kept_parts;
     else
       dropped += size[part];
-  for (size_t i = 0; i < set.size(); ++i) set[i] = set[i] && keep(size_t(of[i]));
+  for (size_t i = 0; i < set.size(); ++i) set[i] = set[i] && keep(size_t(parts.of[i]));
   return int(size.size());
 }
 
@@ -220,17 +208,7 @@ Prepared prepare(const Volume& v, const PrepareSettings& s, Workers& workers) {
     side[k] = v.step_mm.col(k).norm(), longest = std::max(longest, side[k] * v.size[size_t(k)]);
   p.voxel_mm = side.minCoeff();
   // An even grid along the voxel axes (made orthogonal, which they nearly always are), around the whole volume.
-  Mat3 Q;
-  Q.col(0) = v.step_mm.col(0).normalized();
-  Q.col(1) = (v.step_mm.col(1) - Q.col(0) * Q.col(0).dot(v.step_mm.col(1))).normalized();
-  Q.col(2) = Q.col(0).cross(Q.col(1));
-  if (Q.col(2).dot(v.step_mm.col(2)) < 0) Q.col(2) = -Q.col(2);
-  Vec3 lo = Vec3::Constant(1e300), hi = -lo;
-  for (int c = 0; c < 8; ++c) {
-    const Vec3 x = Q.transpose() *
-                   v.place(Vec3((c & 1) * (v.size[0] - 1), (c >> 1 & 1) * (v.size[1] - 1), (c >> 2) * (v.size[2] - 1)));
-    lo = lo.cwiseMin(x), hi = hi.cwiseMax(x);
-  }
+  const auto [Q, lo, hi] = voxel_box(v);
   const Vec3 span = (hi - lo).cwiseMax(p.voxel_mm);
   const bool mouths = s.mouth_mm > s.seal_mm;
   const double beyond = kBeyondBorder * side.maxCoeff(), widest = std::max(beyond, mouths ? s.mouth_mm : s.seal_mm);

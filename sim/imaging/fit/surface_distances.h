@@ -34,7 +34,7 @@ struct SurfaceDistanceSettings {
 struct SurfaceDistances {
   double mean_mm = 0, rms_mm = 0, p95_mm = 0, max_mm = 0;
   double reached = 0;         // share of the samples, hence of the area, within `within_mm`
-  double reached_rms_mm = 0;  // of those
+  double reached_rms_mm = 0;  // of the samples that are reached
   int64_t samples = 0;
 };
 

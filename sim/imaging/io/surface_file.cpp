@@ -312,6 +312,15 @@ class Reader {
 
 }  // namespace
 
+Surface triangles_of(const simplex::Mesh& m) {
+  const simplex::FanTriangles fan = simplex::fan_triangles(m);
+  Surface s;
+  s.x_mm = fan.X_mm;
+  for (size_t t = 0; t < fan.tri.size(); ++t)
+    if (!simplex::is_end(m.kind(fan.face[t]))) s.tri.push_back(fan.tri[t]);
+  return s;
+}
+
 bool is_surface_name(std::string_view path) {
   for (const char* e : {".obj", ".ply", ".stl", ".xyz", ".simplex", ".OBJ", ".PLY", ".STL", ".XYZ"})
     if (path.ends_with(e)) return true;

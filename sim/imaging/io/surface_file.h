@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sim/geometry/vec.h"
+#include "sim/skull/simplex/mesh.h"
 
 namespace limberg {
 
@@ -22,6 +23,9 @@ struct SurfaceFileLimits {
   static constexpr size_t points = 20'000'000, triangles = 40'000'000;
   static constexpr double extent_mm = 1e6;  // no coordinate is larger
 };
+
+/// The fans of a simplex mesh's faces, without its holes.
+Surface triangles_of(const simplex::Mesh& mesh);
 
 /// Whether its name is that of a surface or cloud (.obj, .ply, .stl, .xyz, .simplex).
 bool is_surface_name(std::string_view path);

@@ -214,6 +214,9 @@ Volume load_volume(const std::string& path, const std::string& series) {
   return load_volume(path, LoadSettings{series, false}).volume;
 }
 
+double longest_step_mm(const Volume& v) { return v.step_mm.colwise().norm().maxCoeff(); }
+double shortest_step_mm(const Volume& v) { return v.step_mm.colwise().norm().minCoeff(); }
+
 double VolumeSampler::value(const Vec3& x_mm) const {
   const Vec3 p = to_voxel_ * (x_mm - v_.origin_mm);
   int32_t i[3];

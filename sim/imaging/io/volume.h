@@ -26,6 +26,10 @@ struct Volume {
   Vec3 place(const Vec3& voxel) const { return origin_mm + step_mm * voxel; }
 };
 
+/// Sides of a voxel.
+double longest_step_mm(const Volume& volume);
+double shortest_step_mm(const Volume& volume);
+
 /// Trilinear interpolation at places in mm; outside the outermost voxel centres the nearest value inside holds on.
 class VolumeSampler {
  public:

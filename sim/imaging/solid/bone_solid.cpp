@@ -42,10 +42,8 @@ struct SolidMaker {
   std::vector<uint8_t> bone;    // above the isovalue, in the body, in pieces that are kept
 
   BoneSolid run() {
-    for (int k = 0; k < 3; ++k) longest = std::max(longest, v.step_mm.col(k).norm());
-    double shortest = longest;
-    for (int k = 0; k < 3; ++k) shortest = std::min(shortest, v.step_mm.col(k).norm());
-    g = even_grid(v, s.step_mm > 0 ? s.step_mm : std::max(kLeastStep_mm, shortest), kSolidPad, s.most_nodes);
+    longest = longest_step_mm(v);
+    g = even_grid(v, s.step_mm > 0 ? s.step_mm : std::max(kLeastStep_mm, shortest_step_mm(v)), kSolidPad, s.most_nodes);
     h = out.step_mm = g.step_mm;
     const Volume smooth = smoothed(v, s.sigma_voxels, workers);
     value = sampled(smooth, g, float(kBeyondHU), workers);
@@ -160,7 +158,7 @@ struct SolidMaker {
         w.thickness_mm = kSheetStep * h, out.drawn_thicker += 1. / double(sheet.size());
     }
     std::nth_element(thickness.begin(), thickness.begin() + std::ptrdiff_t(thickness.size() / 2), thickness.end());
-    out.thinnest_mm = thickness[thickness.size() / 2], out.as_mm = kSheetStep * h;
+    out.thin_median_mm = thickness[thickness.size() / 2], out.as_mm = kSheetStep * h;
     out.thin_mm2 = double(sheet.size()) * h * h;
     // A node near a wall has the distance to the slab of its nearest sheet, rounded where the sheet ends.
     const PointTree tree(middle);

@@ -54,9 +54,9 @@ struct BoneSolid {
   double filled_mm3 = 0;           // diploe and specks
   std::vector<BoneCavity> cavity;  // that stay hollow, largest first
   double thin_mm2 = 0;             // area of walls that only their crests show
-  double thinnest_mm = 0,
-         as_mm = 0;          // what is thinner than the second is drawn so thick; the median of their thickness
-  double drawn_thicker = 0;  // share of them
+  double thin_median_mm = 0;       // of their thickness
+  double as_mm = 0;                // what is thinner is drawn so thick,
+  double drawn_thicker = 0;        // which is this share of them
 };
 
 /// Throws InputError: settings that make no sense, nothing above the isovalue (with the range of the volume).

@@ -5,19 +5,25 @@
 
 namespace limberg::imaging {
 
-EvenGrid even_grid(const Volume& v, double h, int32_t pad, int64_t most_nodes) {
-  Mat3 Q;
+VoxelBox voxel_box(const Volume& v) {
+  VoxelBox b;
+  Mat3& Q = b.axes;
   Q.col(0) = v.step_mm.col(0).normalized();
   Q.col(1) = (v.step_mm.col(1) - Q.col(0) * Q.col(0).dot(v.step_mm.col(1))).normalized();
   Q.col(2) = Q.col(0).cross(Q.col(1));
   if (Q.col(2).dot(v.step_mm.col(2)) < 0) Q.col(2) = -Q.col(2);
-  Vec3 low = Vec3::Constant(1e300), high = -low;
+  b.low = Vec3::Constant(1e300), b.high = -b.low;
   for (int c = 0; c < 8; ++c) {
     const Vec3 corner((c & 1) * (v.size[0] - 1), (c >> 1 & 1) * (v.size[1] - 1), (c >> 2) * (v.size[2] - 1));
     const Vec3 x = Q.transpose() * v.place(corner);
-    low = low.cwiseMin(x), high = high.cwiseMax(x);
+    b.low = b.low.cwiseMin(x), b.high = b.high.cwiseMax(x);
   }
-  const Vec3 span = high - low;
+  return b;
+}
+
+EvenGrid even_grid(const Volume& v, double h, int32_t pad, int64_t most_nodes) {
+  const VoxelBox box = voxel_box(v);
+  const Vec3 span = box.high - box.low;
   const auto count = [&](double step) {
     double all = 1;
     for (int k = 0; k < 3; ++k) all *= span[k] / step + 1 + 2 * pad;
@@ -30,7 +36,7 @@ EvenGrid even_grid(const Volume& v, double h, int32_t pad, int64_t most_nodes) {
     const int32_t inner = int32_t(std::floor(span[Eigen::Index(k)] / h + 1e-9)) + 1;
     g.first[k] = pad, g.last[k] = pad + inner - 1, g.nodes.size[k] = inner + 2 * pad;
   }
-  g.nodes.step_mm = h * Q, g.nodes.origin_mm = Q * (low - Vec3::Constant(pad * h));
+  g.nodes.step_mm = h * box.axes, g.nodes.origin_mm = box.axes * (box.low - Vec3::Constant(pad * h));
   return g;
 }
 

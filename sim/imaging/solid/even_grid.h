@@ -10,6 +10,13 @@
 
 namespace limberg::imaging {
 
+/// The box of a volume's voxel centres along its own axes (columns of `axes`, orthonormal).
+struct VoxelBox {
+  Mat3 axes = Mat3::Identity();
+  Vec3 low = Vec3::Zero(), high = Vec3::Zero();  // along the axes, mm
+};
+VoxelBox voxel_box(const Volume& volume);
+
 /// Steps of `step_mm`; `pad` nodes beyond the volume on every side; no values yet. `first`, `last`: the outermost nodes
 /// that lie within the volume.
 struct EvenGrid {
