@@ -11,6 +11,10 @@ inline constexpr double most_mm = 0.4;    // deeper overlaps push no harder than
 
 // Broad phase: relative motion of cell copies after which candidates are collected anew, and places queried anew.
 inline constexpr double margin_mm = 1, query_mm = 0.4;
+// What slows down is queried before that, once its moves since the last query are so many times the latest one: pairs
+// that were missed would else be found long after the tissue has come to rest without them (2026-11-27: by then wounds
+// of the shipped rhomboid were .03 to .16 mm from where they came to rest with them, in a fifth of the frames).
+inline constexpr double query_slowing = 4, query_least_mm = 0.01;
 // Narrow phase: sheets so near to a place are its pairs.
 inline constexpr double guard_mm = 0.5;
 

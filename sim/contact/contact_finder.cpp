@@ -99,7 +99,8 @@ void ContactFinder::check(size_t chunk) {
     const double m = !still ? moved_mm(g) : g.around.empty() ? 0 : bound;
     g.near_mm += m;
     moved = std::max(moved, m);
-    g.due = g.relist || (g.near_mm > constant::query_mm && !g.around.empty());
+    const double query = std::clamp(constant::query_slowing * m, constant::query_least_mm, constant::query_mm);
+    g.due = g.relist || (g.near_mm > query && !g.around.empty());
     here.due |= g.due;
     for (size_t i = g.first; i < g.last; ++i) state_[i].due = g.due, state_[i].stale = false;
   }

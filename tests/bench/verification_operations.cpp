@@ -87,8 +87,7 @@ class SeededHand {
 
 /// Adds the frames after each act, at most 24, to `settled` or, while a stitch is drawn, to `drawn`. Acts that do not
 /// come to rest tell no truth: they are counted.
-void operate_and_watch(const LiveOperation& o, std::vector<double>& settled, std::vector<double>& drawn,
-                       int& without_rest) {
+void operate_and_watch(const LiveOperation& o, LiveRatios& settled, LiveRatios& drawn, int& without_rest) {
   constexpr int kFrames = 24;
   InlineWorkers workers;
   World world(patient_of(o), workers);
@@ -100,7 +99,7 @@ void operate_and_watch(const LiveOperation& o, std::vector<double>& settled, std
     LiveFrames of_settled, of_drawn;
     for (int k = 0; k < kFrames; ++k) {
       const StepReport r = world.step(frame);
-      (world.settled() ? of_settled : of_drawn).add(world.skin()->solver(), r);
+      (world.settled() ? of_settled : of_drawn).add(world.skin()->solver(), r, world.skin()->topology()->embedding);
       if (r.converged && world.settled()) break;
     }
     while (!world.settled()) world.step(frame);
@@ -108,8 +107,8 @@ void operate_and_watch(const LiveOperation& o, std::vector<double>& settled, std
       ++without_rest;
       continue;
     }
-    of_settled.end(world.skin()->solver(), settled);
-    of_drawn.end(world.skin()->solver(), drawn);
+    of_settled.end(world.skin()->solver(), settled, world.skin()->topology()->embedding);
+    of_drawn.end(world.skin()->solver(), drawn, world.skin()->topology()->embedding);
   }
 }
 
@@ -117,7 +116,7 @@ void operate_and_watch(const LiveOperation& o, std::vector<double>& settled, std
 
 void live_operations(Result& out, const VerificationSettings& set) {
   const double before = cpu_ms();
-  std::vector<double> settled, drawn;
+  LiveRatios settled, drawn;
   int without_rest = 0;
   uint64_t seed = 0;
   for (const bool fibres : {false, true})

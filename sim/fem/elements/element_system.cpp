@@ -218,12 +218,16 @@ bool ElementSystem::update_multipliers(const Engine& engine, double scale_of_inc
   return true;
 }
 
-bool ElementSystem::settle_multipliers(AlignedArray<float>& before) {
+bool ElementSystem::settle_multipliers(AlignedArray<float>& before, std::span<const int32_t> but) {
   if (!has_multipliers_ || shape_only_ || plain_) return false;
   before = q_;
   for (size_t c = 0; c < data_.cells.size(); ++c) {
     const float r = (*data_.stencils)[size_t(data_.cells[c].stencil)].r;
     if (r > 0) q_[c] = r / (1 - r) * theta_[c];
+  }
+  for (int32_t cell : but) {
+    const size_t c = size_t(slot_of_cell_[size_t(cell)]);
+    q_[c] = before[c];
   }
   return true;
 }

@@ -80,8 +80,8 @@ class ElementSystem {
   /// One multiplier update from the theta of the last evaluate. Returns false if no cell has a multiplier.
   bool update_multipliers(const Engine& engine, double scale_of_increment = 1);
   /// The multipliers as they were if theta stayed as the last evaluate found it: p = lambda theta. `before` gets those
-  /// that were there, for swap_multipliers. False, and nothing done, if no cell has one.
-  bool settle_multipliers(AlignedArray<float>& before);
+  /// that were there, for swap_multipliers; the cells of `but` keep theirs. False, and nothing done, if no cell has one.
+  bool settle_multipliers(AlignedArray<float>& before, std::span<const int32_t> but = {});
   void swap_multipliers(AlignedArray<float>& q) { q_.swap(q); }
 
   /// theta = J - 1 of the last evaluate, and q, both in the model's cell order.

@@ -235,13 +235,12 @@ double LbfgsSolver::direction(const NodeArray& g, const std::function<void(const
 // The gradient at u_ must be in g_.
 double LbfgsSolver::next_move_mm(const std::function<void(const NodeArray&, NodeArray&)>& metric) {
   const NodeArray* g = &g_;
-  if (AlignedArray<float> q; !untangling_ && elements_->settle_multipliers(q)) {
+  if (AlignedArray<float> q; !untangling_ && elements_->settle_multipliers(q, slivers_)) {
     evaluate(u_, g_try_, false);
     elements_->swap_multipliers(q);
     g = &g_try_;
   }
   direction(*g, metric);
-  for (int32_t i : of_slivers_) d_[size_t(i)] = {};
   return engine_.max_node(d_);
 }
 

@@ -97,6 +97,13 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, const ParentL
   of_slivers_.clear();
   for (size_t i = 0; i < n; ++i)
     if (fullest[i] < sliver && aside[i]) of_slivers_.push_back(int32_t(i));
+  slivers_.clear();
+  int32_t cell = 0;
+  for (size_t chunk = 0; chunk < present.chunks(); ++chunk)
+    for (size_t k = 0; k < present.run_length(chunk); ++k, ++cell)
+      if (const HexCell& c = present.run(chunk)[k]; std::any_of(
+              c.node.begin(), c.node.end(), [&](int32_t v) { return fullest[size_t(v)] < sliver && aside[size_t(v)]; }))
+        slivers_.push_back(cell);
   for (NodeArray* a : {&g_, &d_, &u_try_, &g_try_}) a->resize(n);
   history_.resize(n, pairs());
   springs_.clear(), spring_rows_.clear();
@@ -109,7 +116,7 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, const ParentL
   force_scale_ = 0, since_update_ = 0;
   tangled_iterations_ = 0, untangling_ = false;
   scale_.forget(), pairs_are_plain_ = false;
-  distance_.forget(n, of_slivers_);
+  distance_.forget();
   publish();
 }
 

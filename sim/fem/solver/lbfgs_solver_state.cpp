@@ -57,7 +57,7 @@ void LbfgsSolver::forget() {
   tangled_iterations_ = 0, untangling_ = false;
   history_.clear();
   scale_.forget();
-  distance_.forget(u_.size(), of_slivers_);
+  distance_.forget();
 }
 
 void LbfgsSolver::publish() {

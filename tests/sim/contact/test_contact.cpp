@@ -141,7 +141,8 @@ TEST(Contact, WhatDoesNotMoveIsNotSearched) {
     world.step(live);
   }
   const ContactCounts pulled = world.skin()->contact_counts();
-  EXPECT_LT(pulled.queries - rest.queries, 10 * rest.places / 10) << "a tenth of all places a step, at most";
+  // Each pull dies away while the next begins: what slows down is looked at before it has come to rest.
+  EXPECT_LT(pulled.queries - rest.queries, 10 * rest.places / 4) << "a quarter of all places a step, at most";
 }
 
 TEST(Contact, AWoundThatOnlyGapesFeelsNothing) {

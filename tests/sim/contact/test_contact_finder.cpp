@@ -97,5 +97,21 @@ TEST_F(APocket, WhatIsThrownAndThenSinksMeetsWhatIsThere) {
             pressing(fresh) * 9 / 10);  // those at the rim of what counts may stand as they were found
 }
 
+// The roof moves by a third of a millimetre, less and less each time: its places are looked at anew as it slows down,
+// not only after the next tenth; and no more once it stands, however often it is asked.
+TEST_F(APocket, WhatComesToRestIsLookedAtAgain) {
+  ContactFinder finder(surface, model());
+  finder.follow(moved({0, 0, 0}), workers);
+  finder.follow(moved({0, 0, -0.1}), workers);
+  double at_mm = 0.1, step_mm = 0.1;
+  uint64_t before = finder.counts().queries;
+  for (; step_mm > 1e-3; step_mm *= 0.6) finder.follow(moved({0, 0, -(at_mm += step_mm)}), workers);
+  ASSERT_LT(at_mm, 0.36);
+  EXPECT_GT(finder.counts().queries, before + surface->place.size() / 4);
+  before = finder.counts().queries;
+  for (int k = 0; k < 20; ++k) finder.follow(moved({0, 0, -at_mm + 1e-4 * (k % 2)}), workers);
+  EXPECT_EQ(finder.counts().queries, before);
+}
+
 }  // namespace test_contact_finder
 }  // namespace limberg

@@ -208,6 +208,29 @@ TEST(Elements, MultipliersConvergeToThePrimalForceAtAFixedDeformation) {
   EXPECT_NEAR(augmented_energy + augmented.energy_to_primal(), energy, 1e-4 * std::abs(energy));
 }
 
+// As if theta stayed: the pressure of the next evaluate is lambda theta, but in the cells that are left as they are.
+TEST(Elements, MultipliersSettleAtOnceWhereTheyAreAskedTo) {
+  const FemModel m = layered_model(0.45);
+  const auto u = test::to_float(test::random_displacement(m, 0.02, 12));
+  NodeArray uf(u.size()), g(u.size());
+  for (size_t i = 0; i < u.size(); ++i) uf[i] = {u[i][0], u[i][1], u[i][2], 0};
+  fem::ElementSystem at_once(std::make_shared<FemModel>(m)), in_the_end(std::make_shared<FemModel>(m));
+  for (int k = 0; k < 200; ++k) {
+    in_the_end.evaluate(uf, g, false, test::engine());
+    in_the_end.update_multipliers(test::engine());
+  }
+  at_once.evaluate(uf, g, false, test::engine());
+  const std::vector<int32_t> left{1, 5};
+  AlignedArray<float> before;
+  ASSERT_TRUE(at_once.settle_multipliers(before, left));
+  for (size_t c = 0; c < m.cells.size(); ++c) {
+    if (std::find(left.begin(), left.end(), int32_t(c)) != left.end())
+      EXPECT_EQ(at_once.q(c), 0) << c;
+    else
+      EXPECT_NEAR(at_once.q(c), in_the_end.q(c), 1e-4 * std::fabs(in_the_end.q(c)) + 1e-7) << c;
+  }
+}
+
 // A cut gives some cells other nodes and adds copies of cells: the system that takes its tiles over from the one before
 // has the same numbers in it as one that is made from nothing.
 TEST(ElementSystem, TilesTakenOverAreThoseMadeAnew) {
