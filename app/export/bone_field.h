@@ -1,0 +1,31 @@
+#pragma once
+// The distance to bones as a field, for what is shaped to fit them: below 0 within any of them.
+#include <vector>
+
+#include "sim/imaging/register/superposition.h"
+#include "sim/skull/bone/bones.h"
+
+namespace limberg {
+
+class BoneField {
+ public:
+  /// Each is closed by itself: two fragments of one bone share a wall, and a place in one is outside of the other.
+  void add(const Surface& closed);
+  bool empty() const { return part_.empty(); }
+  double distance_mm(const Vec3& x_mm) const;
+  /// True where a line from there meets bone within `reach_mm`.
+  bool meets(const Vec3& from_mm, const Vec3& direction, double reach_mm) const;
+
+ private:
+  struct Part {
+    SurfaceTarget target;
+    Bvh bvh;
+    Vec3 low_mm, high_mm;
+  };
+  std::vector<Part> part_;
+};
+
+/// A fragment's closed surface at rest.
+Surface fragment_surface(const bone::Bones& bones, const bone::Fragment& fragment);
+
+}  // namespace limberg
