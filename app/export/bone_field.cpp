@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "app/export/solids.h"
-#include "sim/skull/bone/surface.h"
 
 namespace limberg {
 
@@ -12,7 +11,9 @@ void BoneField::add(const Surface& s) {
   if (s.tri.empty()) return;
   Vec3 low = s.x_mm.front(), high = low;
   for (const Vec3& x : s.x_mm) low = low.cwiseMin(x), high = high.cwiseMax(x);
-  part_.push_back({SurfaceTarget(s), Bvh(s.x_mm, s.tri), low, high});
+  bone::BoneSurface b;
+  b.X_mm = s.x_mm, b.tri = s.tri, b.bvh = Bvh(s.x_mm, s.tri);
+  part_.push_back({std::move(b), low, high});
 }
 
 double BoneField::distance_mm(const Vec3& x) const {
@@ -20,8 +21,8 @@ double BoneField::distance_mm(const Vec3& x) const {
   for (const Part& p : part_) {
     const double box = (p.low_mm - x).cwiseMax(x - p.high_mm).cwiseMax(Vec3::Zero()).norm();
     if (box >= least) continue;
-    const SurfaceTarget::Place c = p.target.closest(x);
-    least = std::min(least, c.normal.dot(x - c.point_mm) < 0 ? -c.distance_mm : c.distance_mm);
+    const double far = p.surface.bvh.closest(x).distance_mm;
+    least = std::min(least, box == 0 && p.surface.contains(x) ? -far : far);
   }
   return least;
 }
@@ -29,7 +30,7 @@ double BoneField::distance_mm(const Vec3& x) const {
 bool BoneField::meets(const Vec3& from, const Vec3& direction, double reach_mm) const {
   std::array<Bvh::LineHit, 1> hit;
   return std::any_of(part_.begin(), part_.end(),
-                     [&](const Part& p) { return p.bvh.line(from, direction, 0, reach_mm, hit) > 0; });
+                     [&](const Part& p) { return p.surface.bvh.line(from, direction, 0, reach_mm, hit) > 0; });
 }
 
 Surface fragment_surface(const bone::Bones& bones, const bone::Fragment& f) {

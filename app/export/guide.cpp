@@ -95,13 +95,7 @@ double into_bridge(const RimPlace& p, const GuideSettings& g) {
   return std::max(at_end, 0.5 * g.bridge_mm - off);
 }
 
-/// No corner of the surface lies at a node of the grid: corners that fall together in a file's floats would open it.
-Surface marched(LevelSet field, double grid_mm, Workers& workers) {
-  const double least = 0.02 * grid_mm;
-  field.distance_mm = [inner = std::move(field.distance_mm), least](const Vec3& p) {
-    const double d = inner(p);
-    return std::abs(d) < least ? (d < 0 ? -least : least) : d;
-  };
+Surface marched(const LevelSet& field, double grid_mm, Workers& workers) {
   Surface s;
   march(field, grid_mm, workers, s.x_mm, s.tri);
   return s;

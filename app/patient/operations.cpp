@@ -29,6 +29,7 @@ constexpr double kAboveFloor_mm = 5, kBehindPalate_mm = 2;
 constexpr double kLevelOfRamus = 0.42;
 constexpr double kBeforeRamus_mm = 12;   // the upright cut of a split, before the front edge of the ramus
 constexpr double kBehindNasion_mm = 30;  // the upright cut behind the forehead, at the roofs of the orbits
+constexpr double kBelowGlabella_mm = 8;  // lies the root of the nose, at least
 constexpr double kReach_mm = 180, kSplitReach_mm = 75;
 constexpr double kAside_mm = 90;      // outside of any head
 constexpr double kLeastShare = 0.85;  // of a ramus the plane of the split must lie in
@@ -326,11 +327,13 @@ PlannedOperation fronto_orbital(const Bench& b) {
   std::vector<Vec3> stays{ans};
   for (const char* name : {"Or_R", "Or_L"})
     if (const auto x = b.at(name)) stays.push_back(*x);
+  // On a forehead that lies back N is found too high: the root of the nose is below the glabella.
+  const double level = std::min(n.z(), g.z() - kBelowGlabella_mm);
   CutBoneByBlade cut;
   // Level through the root of the nose and the sutures beside the orbits; behind, rising backwards by 20 degrees.
   cut.rays = {Vec3::UnitY(), Vec3::UnitX(), to_thousandths(Vec3(0, -0.342, 0.940))}, cut.reach_mm = kReach_mm;
   p.why = first_accepted(offsets_mm(), [&](const Vec2& off) -> std::string {
-    cut.corner_mm = to_tenths(Vec3(-kAside_mm, n.y() - kBehindNasion_mm + off.y(), n.z() + off.x()));
+    cut.corner_mm = to_tenths(Vec3(-kAside_mm, n.y() - kBehindNasion_mm + off.y(), level + off.x()));
     bone::Bones bones = b.whole("cranium");
     if (const auto done = bones.cut(osteotomy_of(cut)); !done.done) return done.reason;
     return as_it_should(bones, {{g}, stays, 20});

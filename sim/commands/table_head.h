@@ -62,11 +62,8 @@ struct Act<CutBoneByBlade> {
   static constexpr const char* mark = "rays";
   static constexpr Needs needs = Needs::head;
   static constexpr const char* help =
-      "A cut by planes that meet in a corner: each lies between a direction from there and the next one. Two "
-      "directions "
-      "are a plane that ends, three a step, four a sagittal split. All that the planes meet is cut; none may end "
-      "within "
-      "the bone.";
+      "A cut by planes that meet in a corner, each between a direction from there and the next. Two are a plane that "
+      "ends, three a step, four a sagittal split. None may end within bone.";
   static constexpr const char* example =
       R"({"action":"osteotomy","corner":[-60,45,-38],"rays":[[0,1,0],[1,0,0],[0,0,-1]],"reach_mm":150})";
   static void fields(auto& v, auto& c) {

@@ -228,6 +228,14 @@ TEST(Operations, AChinGoesForwards) {
   EXPECT_EQ(now.at("Ii"), before.at("Ii"));
 }
 
+TEST(Operations, AForeheadThatLiesBackIsBroughtForwardsToo) {
+  InlineWorkers w;  // app/scenes/craniofacial.toml
+  const HeadModel m = make_head({.forehead_flat = 0.7}, w);
+  OperationGround g{{{"cranium", m.cranium}, {"mandible", m.mandible}}, {}};
+  for (const auto& [name, at] : m.landmarks) g.landmarks.push_back({name, at, 1, name[0] >= 'a' && name[0] <= 'z'});
+  for (const PlannedOperation& p : plan_operations(g, w)) EXPECT_EQ(p.why, "") << p.name;
+}
+
 TEST(Operations, WhatIsMissingIsSaid) {
   InlineWorkers w;
   OperationGround g = made().ground;
