@@ -77,12 +77,13 @@ struct Act<CutBoneByBlade> {
     v(Field::flag("must_divide", true, "false: a cut that frees nothing is allowed"), c.must_divide);
   }
   static std::string words(const CutBoneByBlade& c) {
-    return fmt::format("osteotomy by {} planes that meet in a corner", c.rays.size() - 1);
+    return fmt::format("osteotomy by {} planes that meet in a corner", std::max<size_t>(c.rays.size(), 1) - 1);
   }
   static Deed deed(const CutBoneByBlade& c) {
-    return {c.rays.size() == 2   ? "Osteotomy by a plane that ends"
-            : c.rays.size() == 3 ? "Stepped osteotomy"
-                                 : fmt::format("Osteotomy by {} planes that meet in a corner", c.rays.size() - 1)};
+    return {c.rays.size() == 2 ? "Osteotomy by a plane that ends"
+            : c.rays.size() == 3
+                ? "Stepped osteotomy"
+                : fmt::format("Osteotomy by {} planes that meet in a corner", std::max<size_t>(c.rays.size(), 1) - 1)};
   }
 };
 
