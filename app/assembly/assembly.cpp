@@ -57,6 +57,15 @@ StepSettings step_settings(const Scene& scene, bool real_time) {
   return s;
 }
 
+namespace {
+
+std::function<void(double)> steps_watched(const AssemblyOptions& o, const World& world) {
+  if (!o.watch) return {};
+  return [watch = o.watch, &world](double t_s) { watch(world, nullptr, t_s); };
+}
+
+}  // namespace
+
 Assembly::Assembly(Scene scene_in, const Calibration& calibration_in, const AssemblyOptions& o)
     : scene(std::move(scene_in)),
       calibration(calibration_in),
@@ -73,8 +82,10 @@ Assembly::Assembly(Scene scene_in, const Calibration& calibration_in, const Asse
           SolverSettings{.step = step_settings(scene, o.real_time),
                          .progressive_cut = o.progressive_cut,
                          .schedule = o.record && o.real_time,
-                         .sample_states = o.record},
-          [this](const Command& c) {
+                         .sample_states = o.record,
+                         .after_step = steps_watched(o, *world)},
+          [this, watch = o.watch](const Command& c) {
+            if (watch) watch(*world, &c, 0);
             done.push_back(c);
             repro.done(c);
             if (!script || !script_error.empty()) return;

@@ -2,6 +2,7 @@
 // A session put together: scene and calibration in, lanes out, ready for lockstep or real time.
 //
 // The order matters and is kept here: workers, patient, channels, front end, lanes.
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -24,6 +25,8 @@ struct AssemblyOptions {
   PictureSink* sink = nullptr;
   std::string repro_dir;    // where refused cuts leave a file to try them again; empty: nowhere
   std::string script_file;  // the session's own script; empty: none
+  /// Looks at the patient after each act, and (null) after each step, which has a time; changes nothing.
+  std::function<void(const World& world, const Command* act, double t_s)> watch = {};
 };
 
 class Assembly {

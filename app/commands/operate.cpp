@@ -110,7 +110,7 @@ void fill_operation(Result& r, const World& world, const Scene& scene, const Ope
   size_t free_nodes = 0;
   for (const Held h : m.fixed) free_nodes += !h.all();
   ResultRun run;
-  run.scene_title = scene.name, run.scene_note = scene.note;
+  run.scene_title = scene.name, run.scene_note = scene.note, run.scene_path = whole_path(scene.path);
   run.lattice = {world.skin()->spec().cell_mm, m.X_mm.size(), o.cells, m.cells.size(), 3 * free_nodes};
   run.solve_ms = o.solve_ms, run.residual = o.last.residual, run.distance_mm = o.last.distance_mm;
   run.state_hash = hex(world.state_hash()), run.topology_hash = hex(world.topology_hash());

@@ -49,7 +49,7 @@ int operate_head(const Scene& scene, const Script& script, const CommonOptions& 
               hex(patient.state_hash()).c_str());
   Result r("operate", scene.name);
   ResultRun run;
-  run.scene_title = scene.name, run.scene_note = scene.note;
+  run.scene_title = scene.name, run.scene_note = scene.note, run.scene_path = whole_path(scene.path);
   run.solve_ms = o.solve_ms, run.residual = o.last.residual;
   run.state_hash = hex(patient.state_hash()), run.topology_hash = hex(patient.topology_hash());
   run.memory_mb = peak_memory_mb();

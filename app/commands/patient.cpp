@@ -13,6 +13,7 @@
 #include "app/commands/this_call.h"
 #include "app/head/cache.h"
 #include "app/operating_point/cpu_clock.h"
+#include "app/patient/operations.h"
 #include "app/patient/scene_text.h"
 #include "app/patient/slices.h"
 #include "app/patient/tissue_reach.h"
@@ -83,6 +84,16 @@ void fields(ResultApart& x, auto&& f) {
   f("reached_rms_mm", x.reached_rms_mm), f("mean_mm", x.mean_mm), f("p95_mm", x.p95_mm), f("max_mm", x.max_mm);
 }
 
+/// operations: scripts beside the scene. why: of one that could not be made.
+struct ResultOperation {
+  std::string name, title;
+  bool made;
+  MaybeText why;
+};
+void fields(ResultOperation& x, auto&& f) {
+  f("name", x.name), f("title", x.title), f("made", x.made), f("why", x.why);
+}
+
 /// What `patient` says beside its tables.
 struct ResultPatient {
   std::string volume, series;
@@ -96,6 +107,7 @@ struct ResultPatient {
   double compact_HU = 0, blur_mm = 0;
   double skin_reached = 0, skin_rms_mm = 0, bone_found = 0, cpu_s = 0;
   std::vector<ResultApart> distances;
+  std::vector<ResultOperation> operations;
   std::vector<std::string> notes;
   MaybeList<std::string> missed;
   std::string reproduce;
@@ -107,8 +119,8 @@ void fields(ResultPatient& x, auto&& f) {
   f("roll_deg", x.roll_deg), f("yaw_deg", x.yaw_deg), f("symmetry_rms_mm", x.symmetry_rms_mm);
   f("laid_skull_rms_mm", x.laid_skull_rms_mm), f("compact_HU", x.compact_HU), f("blur_mm", x.blur_mm);
   f("skin_reached", x.skin_reached), f("skin_rms_mm", x.skin_rms_mm), f("bone_found", x.bone_found);
-  f("cpu_s", x.cpu_s), f("distances", x.distances), f("notes", x.notes), f("missed", x.missed),
-      f("reproduce", x.reproduce);
+  f("cpu_s", x.cpu_s), f("distances", x.distances), f("operations", x.operations), f("notes", x.notes),
+      f("missed", x.missed), f("reproduce", x.reproduce);
 }
 
 /// The volume, with what was chosen and done said in `notes`.
@@ -133,13 +145,22 @@ LoadedVolume load(const PatientOptions& o, std::string& series) {
   return v;
 }
 
-void write_files(const PatientOptions& o, const PatientModel& p, double reach_mm) {
+std::vector<PlannedOperation> operations(const PatientModel& p, Workers& workers) {
+  OperationGround ground;
+  for (const PatientBone& b : p.bone) ground.bones.emplace_back(b.name, b.mesh);
+  ground.landmarks = p.anatomy.landmark;
+  return plan_operations(ground, workers);
+}
+
+void write_files(const PatientOptions& o, const PatientModel& p, double reach_mm,
+                 const std::vector<PlannedOperation>& planned) {
   const std::string& dir = o.common.out_dir;
   for (const PatientBone& b : p.bone) simplex::save_mesh(b.mesh, dir + "/" + b.name + ".simplex");
   if (p.face.slots() > 0) simplex::save_mesh(p.face, dir + "/face.simplex");
   write_whole_file(dir + "/patient.toml",
                    patient_scene(p, reach_mm, "From " + fs::path(o.input).lexically_normal().filename().string()));
-  if (const std::string s = genioplasty_script(p); !s.empty()) write_whole_file(dir + "/genioplasty.jsonl", s);
+  for (const PlannedOperation& x : planned)
+    if (x.made()) write_whole_file(dir + "/" + x.name + ".jsonl", to_text(x.script));
 }
 
 std::vector<std::string> missed(const PatientModel& p, double found) {
@@ -304,10 +325,12 @@ int run_patient(const PatientOptions& o) {
   }
   progress.note("soft tissue");
   const double reach_mm = tissue_reach_mm(p, kPatientTissue_kPa, kPatientTissueLayers, workers);
+  progress.note("operations");
+  const std::vector<PlannedOperation> planned = operations(p, workers);
   const double cpu_s = (bench::cpu_ms() - start_ms) * 1e-3;
   progress.clear();
   catch_interrupts();
-  write_files(o, p, reach_mm);
+  write_files(o, p, reach_mm, planned);
   int64_t seen = 0, all = 0;
   for (const PatientBone& b : p.bone) seen += b.cortex.found, all += b.cortex.vertices;
   const double found = all > 0 ? double(seen) / double(all) : 0;
@@ -319,6 +342,8 @@ int run_patient(const PatientOptions& o) {
                                : "no soft tissue could be laid between skin and bone: the face does not follow");
   for (const auto& [cut, name] : {std::pair(&p.parts.mandible, "the mandible"), std::pair(&p.parts.spine, "the spine")})
     if (const std::string w = cut_words(*cut, name, p.offset); !w.empty()) notes.push_back(w);
+  for (const PlannedOperation& x : planned)
+    if (!x.made()) notes.push_back(x.name + ".jsonl is left out: " + x.why);
   if (p.solid.thin_mm2 > 0)
     notes.push_back(
         fmt::format("{:.0f} cm2 of walls thinner than the voxels show (median {:.2f} mm), drawn at least "
@@ -342,6 +367,8 @@ int run_patient(const PatientOptions& o) {
       "found\n",
       unsigned_zero(p.anatomy.pitch_deg), unsigned_zero(p.anatomy.roll_deg), unsigned_zero(p.anatomy.yaw_deg),
       p.anatomy.landmark.size(), p.anatomy.missing.size());
+  for (const PlannedOperation& x : planned)
+    if (x.made()) std::printf("script      %s/%s.jsonl\n", o.common.out_dir.c_str(), x.name.c_str());
   std::printf("scene       %s/patient.toml\nwork        %.1f s of CPU time\n", o.common.out_dir.c_str(), cpu_s);
   for (const std::string& f : faults) say(o.input + ": " + f);
   Result result("patient", "");
@@ -362,6 +389,8 @@ int run_patient(const PatientOptions& o) {
   if (!p.bone.empty())
     out.compact_HU = p.bone.front().cortex.cortical - p.offset, out.blur_mm = p.bone.front().cortex.point_mm;
   out.skin_reached = p.skin.reached, out.skin_rms_mm = p.skin.rms_mm, out.bone_found = found, out.cpu_s = cpu_s;
+  for (const PlannedOperation& x : planned)
+    out.operations.push_back({x.name, x.title, x.made(), x.made() ? MaybeText() : MaybeText(x.why)});
   out.notes = notes, out.missed = unless_empty(faults), out.reproduce = this_call();
   const std::vector<PartInPicture> parts = in_picture(p);
   out.distances = distances(v, p, o, parts, workers);
@@ -393,11 +422,13 @@ void add_patient(CLI::App& app, Chosen& chosen) {
   c->add_option("--face-edge-mm", o->face_edge_mm, "Wanted edges of the skin's mesh [5]")->check(number_from(1.5, 15.));
   o->common.add_json(*c), o->common.add_workers(*c);
   c->footer(
-      "Leaves patient.toml (a scene), its meshes, genioplasty.jsonl (a first operation), result.json and report.html.\n"
+      "Leaves patient.toml (a scene), its meshes, operations on it (genioplasty, le_fort_1, sagittal_split, "
+      "autorotation,\n"
+      "fronto_orbital: .jsonl; a note says which could not be made), result.json and report.html.\n"
       "Exit status 3: less than 95 % of the skin is within two voxels of its mesh, or less than 90 % of the bone's\n"
       "vertices see a cortex.\n"
       "Example: limberg patient ct_folder --out out/patient\n"
-      "         limberg operate out/patient/patient.toml out/patient/genioplasty.jsonl --out out/chin");
+      "         limberg operate out/patient/patient.toml out/patient/le_fort_1.jsonl --out out/maxilla");
   c->callback([o, offset, &chosen] {
     o->has_offset = offset->count() > 0;
     chosen = [o] { return run_patient(*o); };

@@ -339,6 +339,7 @@ AssemblyOptions assembly_options(const SessionCall& call) {
   // same, so that its times are those of a session that is looked at.
   o.draw_frames = call.real_time && !call.common.out_dir.empty();
   o.repro_dir = call.common.repro();
+  o.watch = call.watch;
   if (!call.common.out_dir.empty()) o.script_file = call.common.out_dir + "/session.jsonl";
   return o;
 }
@@ -441,6 +442,12 @@ int leave_as_it_was(const SessionCall& call, Recorder& recorder) {
 }
 
 }  // namespace
+
+std::string whole_path(const std::string& file) {
+  std::error_code ec;
+  const std::filesystem::path whole = std::filesystem::weakly_canonical(file, ec);
+  return ec ? file : whole.string();
+}
 
 int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>& after) {
   check_lesson(call);

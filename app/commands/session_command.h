@@ -57,7 +57,8 @@ struct SessionCall {
   std::optional<FilmSettings> film;            // in lockstep: every frame goes into it
   // A window whose first word to the operator is this; empty: none. RenderUnavailable: goes on without
   std::function<std::unique_ptr<SessionWindow>(const Scene&, const std::string& word)> window;
-  std::optional<Lesson> lesson;  // by which the session is judged
+  std::optional<Lesson> lesson;                                                   // by which the session is judged
+  std::function<void(const World& world, const Command* act, double t_s)> watch;  // AssemblyOptions
   CommonOptions common;
 };
 
@@ -71,5 +72,7 @@ void leave_result(const Result& result, const CommonOptions& common);
 /// The scene of a name or path as the user typed it: a path, or one of the scenes shipped (found beside the program's
 /// source, or in app/scenes of the working folder).
 Scene open_scene(const std::string& name_or_path);
+/// A file's path from the root of the disk.
+std::string whole_path(const std::string& file);
 
 }  // namespace limberg

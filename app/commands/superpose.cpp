@@ -10,6 +10,7 @@
 #include "app/commands/commands.h"
 #include "app/commands/numbers.h"
 #include "app/commands/session_command.h"
+#include "app/export/achieved.h"
 #include "app/result/metrics.h"
 #include "app/result/output.h"
 #include "app/result/progress.h"
@@ -17,6 +18,8 @@
 #include "app/result/tables.h"
 #include "app/session/workers_pool.h"
 #include "sim/base/error.h"
+#include "sim/imaging/anatomy/patient_model.h"
+#include "sim/imaging/fit/surface_distances.h"
 #include "sim/imaging/io/surface_file.h"
 #include "sim/imaging/io/volume.h"
 #include "sim/imaging/register/landmark_pairs.h"
@@ -28,7 +31,8 @@ namespace limberg {
 namespace {
 
 struct SuperposeOptions {
-  std::string a, b, landmarks, series_a, series_b;
+  std::string a, b, landmarks, series_a, series_b, plan;
+  double bone_HU = 250;
   bool mirror = false, scale = false, landmarks_only = false;
   double keep = 0.7;
   CommonOptions common;
@@ -39,6 +43,26 @@ struct ResultMirror {
   ResultVector normal, point_mm;
 };
 void fields(ResultMirror& x, auto&& f) { f("normal", x.normal), f("point_mm", x.point_mm); }
+
+/// plan/fragments: how far each lies from where it was planned. reason: why it could not be found.
+struct ResultAchieved {
+  std::string name;
+  ResultVector off_mm;
+  double distance_mm, off_deg, rms_mm;
+  std::string reason;
+};
+void fields(ResultAchieved& x, auto&& f) {
+  f("name", x.name), f("off_mm", x.off_mm), f("distance_mm", x.distance_mm), f("off_deg", x.off_deg);
+  f("rms_mm", x.rms_mm), f("reason", x.reason);
+}
+struct ResultAgainstPlan {
+  std::string folder;
+  double skull_rms_mm;
+  std::vector<ResultAchieved> fragments;
+};
+void fields(ResultAgainstPlan& x, auto&& f) {
+  f("folder", x.folder), f("skull_rms_mm", x.skull_rms_mm), f("fragments", x.fragments);
+}
 
 /// asymmetry, and distance: mean_mm is of the second alone.
 struct ResultDistance {
@@ -71,6 +95,7 @@ struct ResultSuperposition {
   MaybeText a, b;
   std::optional<ResultMirror> mirror;
   std::optional<ResultDistance> asymmetry;
+  std::optional<ResultAgainstPlan> plan;
   ResultLandmarks landmarks;
   ResultIcp icp;
   std::optional<std::array<std::array<double, 4>, 3>> a_to_b;
@@ -79,7 +104,8 @@ struct ResultSuperposition {
   std::string reason;
 };
 void fields(ResultSuperposition& x, auto&& f) {
-  f("a", x.a), f("b", x.b), f("mirror", x.mirror), f("asymmetry", x.asymmetry), f("landmarks", x.landmarks);
+  f("a", x.a), f("b", x.b), f("mirror", x.mirror), f("asymmetry", x.asymmetry), f("plan", x.plan),
+      f("landmarks", x.landmarks);
   f("icp", x.icp), f("a_to_b", x.a_to_b), f("distance", x.distance), f("information", x.information);
   f("information_at_start", x.information_at_start), f("overlap", x.overlap), f("reason", x.reason);
 }
@@ -192,6 +218,62 @@ int images(const SuperposeOptions& o, Result& result, ResultSuperposition& found
   return finish(o, result, found, r.reason);
 }
 
+/// The bone of a later scan: a surface, or the isosurface of a CT in right, forwards, up.
+Surface later_bone(const SuperposeOptions& o, Workers& workers) {
+  if (is_surface_name(o.a)) return shape_from(o.a);
+  const LoadedVolume loaded = load_volume(o.a, LoadSettings{o.series_a, true});
+  for (const std::string& n : loaded.notes) std::printf("volume      %s: %s\n", o.a.c_str(), n.c_str());
+  std::string why;
+  double offset = 0;
+  try {
+    offset = hounsfield_offset(loaded.volume, why);
+  } catch (const InputError& e) {
+    throw InputError(o.a, 0, e.what());
+  }
+  Surface s = isosurface(loaded.volume, o.bone_HU + offset, workers);
+  for (Vec3& x : s.x_mm) x = Vec3(-x.x(), -x.y(), x.z());
+  if (const std::string lacks = lacks_shape(s); !lacks.empty()) throw InputError(o.a, 0, "its bone: " + lacks);
+  return s;
+}
+
+/// A later scan against a plan.
+int against_plan(const SuperposeOptions& o, Result& result, ResultSuperposition& found, Workers& workers,
+                 Progress& progress) {
+  if (!o.b.empty() || o.mirror || o.scale || !o.landmarks.empty())
+    throw InputError("", 0,
+                     "superpose: --plan takes one later scan alone; expected no B, --mirror, --scale, --landmarks");
+  constexpr double kMoved_mm = 0.5;
+  const std::vector<PlannedFragment> plan = read_plan(o.plan);
+  const Surface later = later_bone(o, workers);
+  progress.note("laying the skull upon the later one");
+  const Achieved a = planned_against_achieved(plan, later, kMoved_mm, workers);
+  progress.clear();
+  if (!a.reason.empty()) return finish(o, result, found, a.reason);
+  found.plan = ResultAgainstPlan{o.plan, a.skull_rms_mm, {}};
+  std::printf("skull       laid upon the later one, rms of the kept pairs %.3f mm\n", a.skull_rms_mm);
+  ResultTable t{
+      "Planned and achieved",
+      "How far each fragment that was to be moved lies from where it was planned: its middle and its turn.",
+      {"fragment", "right, mm", "forward, mm", "up, mm", "distance, mm", "turned, degrees", "rms of the fit, mm"},
+      {}};
+  std::string lost;
+  for (const AchievedFragment& f : a.fragments) {
+    found.plan->fragments.push_back({f.name, vector_of(f.off_mm), f.off_mm.norm(), f.off_deg, f.rms_mm, f.reason});
+    if (!f.reason.empty()) {
+      lost += (lost.empty() ? "" : "; ") + f.name + ": " + f.reason;
+      continue;
+    }
+    std::printf("%-11s %+.2f mm right, %+.2f forward, %+.2f up of its plan, turned by %.2f degrees\n", f.name.c_str(),
+                f.off_mm.x(), f.off_mm.y(), f.off_mm.z(), f.off_deg);
+    t.rows.push_back({f.name, fmt::format("{:.2f}", f.off_mm.x()), fmt::format("{:.2f}", f.off_mm.y()),
+                      fmt::format("{:.2f}", f.off_mm.z()), fmt::format("{:.2f}", f.off_mm.norm()),
+                      fmt::format("{:.2f}", f.off_deg), fmt::format("{:.2f}", f.rms_mm)});
+  }
+  if (a.fragments.empty()) lost = "the plan moves no fragment";
+  if (!t.rows.empty()) add_table(result, t);
+  return finish(o, result, found, lost);
+}
+
 int run_superpose(const SuperposeOptions& o) {
   for (const std::string& given : {o.a, o.b})
     if (std::error_code ec; !given.empty() && !std::filesystem::exists(given, ec))
@@ -203,6 +285,7 @@ int run_superpose(const SuperposeOptions& o) {
   Result result("superpose", "");
   ResultSuperposition found;
   found.a = o.a, found.b = o.b;
+  if (!o.plan.empty()) return against_plan(o, result, found, workers, progress);
   if (!is_surface_name(o.a) && (o.b.empty() || !is_surface_name(o.b))) {
     if (o.b.empty())
       throw InputError("", 0, "superpose: two images, or surfaces (.obj, .ply, .stl, .xyz, .simplex), were expected");
@@ -294,11 +377,17 @@ void add_superpose(CLI::App& app, Chosen& chosen) {
   c->add_option("--series-a", o->series_a, "Series of a DICOM folder A: number, UID or part of its description")
       ->type_name("NAME");
   c->add_option("--series-b", o->series_b, "The same of B")->type_name("NAME");
+  c->add_option("--plan", o->plan,
+                "A folder of `export`: how far its fragments lie in the later scan A from where they were planned")
+      ->type_name("DIR");
+  c->add_option("--bone", o->bone_HU, "With --plan and a CT: above it is bone, Hounsfield units [250]")
+      ->check(number_from(100., 1500.));
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
   c->footer(
       "With --out also: distance.csv and distance.ply (coloured), or registered.nrrd. Exit status 3: they could not be "
       "laid upon each other; the reason is said.\n"
-      "Example: limberg superpose patient.obj normal.obj --landmarks points.txt --out out/superposed");
+      "Example: limberg superpose patient.obj normal.obj --landmarks points.txt --out out/superposed\n"
+      "         limberg superpose later_ct --plan out/print");
   c->callback([o, &chosen] { chosen = [o] { return run_superpose(*o); }; });
 }
 

@@ -67,12 +67,36 @@ void fields(ResultTissue& x, auto&& f) {
   f("free_motions", x.free_motions);
 }
 
+/// head/soft_to_hard: soft_mm is the skin's move along the bone's. known_low, known_high: in patients, by source.
+struct ResultSoftRatio {
+  MaybeText soft, bone;
+  double bone_mm, soft_mm, ratio;
+  Maybe known_low, known_high;
+  MaybeText source;
+};
+void fields(ResultSoftRatio& x, auto&& f) {
+  f("soft", x.soft), f("bone", x.bone), f("bone_mm", x.bone_mm), f("soft_mm", x.soft_mm), f("ratio", x.ratio);
+  f("known_low", x.known_low), f("known_high", x.known_high), f("source", x.source);
+}
+
+/// head/bone_outside: of the place where bone stands out of the skin farthest; depth_mm 0: nowhere.
+struct ResultBoneOutside {
+  double depth_mm, area_mm2;
+  ResultVector at_mm;
+  int64_t fragment;
+};
+void fields(ResultBoneOutside& x, auto&& f) {
+  f("depth_mm", x.depth_mm), f("area_mm2", x.area_mm2), f("at_mm", x.at_mm), f("fragment", x.fragment);
+}
+
 struct ResultHead {
   MaybeList<ResultFragment> fragments;
   std::vector<ResultGap> gaps;
   MaybeList<ResultFit> fits;
   MaybeList<ResultHeadLandmark> landmarks;
   MaybeList<ResultMeasure> cephalometry, asymmetry, picked;
+  MaybeList<ResultSoftRatio> soft_to_hard;
+  MaybeList<ResultBoneOutside> bone_outside;  // one, where there is a face
   Maybe face_moved_max_mm, face_moved_mean_mm;
   MaybeList<ResultTissue> tissues;
   MaybeList<std::string> warnings;
@@ -80,6 +104,7 @@ struct ResultHead {
 void fields(ResultHead& x, auto&& f) {
   f("fragments", x.fragments), f("gaps", x.gaps), f("fits", x.fits), f("landmarks", x.landmarks);
   f("cephalometry", x.cephalometry), f("asymmetry", x.asymmetry), f("picked", x.picked);
+  f("soft_to_hard", x.soft_to_hard), f("bone_outside", x.bone_outside);
   f("face_moved_max_mm", x.face_moved_max_mm), f("face_moved_mean_mm", x.face_moved_mean_mm);
   f("tissues", x.tissues), f("warnings", x.warnings);
 }

@@ -11,11 +11,13 @@
 #include "app/head/head_result.h"
 #include "app/head/measures.h"
 #include "app/head/skull_comparison.h"
+#include "app/head/soft_ratios.h"
 #include "app/result/metrics.h"
 #include "app/result/output.h"
 #include "app/result/progress.h"
 #include "app/result/tables.h"
 #include "sim/commands/script.h"
+#include "sim/measure/bone_outside.h"
 #include "sim/skull/bone/sorting.h"
 
 namespace limberg {
@@ -214,6 +216,42 @@ void measures(ResultHead& out, std::vector<ResultTable>& tables, const Head& hea
   out.picked = unless_empty(std::move(picked));
 }
 
+ResultTable soft_to_hard(ResultHead& out, const Head& head) {
+  ResultTable t;
+  t.title = "Skin after bone";
+  t.about =
+      "How far a landmark on the skin has gone along the move of the one on bone beneath it, over that move; beside it "
+      "what papers found in patients months later.";
+  t.columns = {"skin", "bone", "bone, mm", "skin, mm", "ratio", "in patients", "source"};
+  std::vector<ResultSoftRatio> list;
+  for (const SoftRatio& r : soft_ratios(head.landmarks_at_rest(), head.landmarks_now())) {
+    ResultSoftRatio x{r.soft, r.bone, r.bone_mm, r.soft_mm, r.ratio, {}, {}, {}};
+    if (r.known_high > 0) x.known_low = r.known_low, x.known_high = r.known_high, x.source = r.source;
+    t.rows.push_back({r.soft, r.bone, tenth(r.bone_mm), tenth(r.soft_mm), fmt::format("{:.2f}", r.ratio),
+                      r.known_high > 0 ? fmt::format("{:.2f} to {:.2f}", r.known_low, r.known_high) : "-",
+                      r.known_high > 0 ? r.source : "-"});
+    list.push_back(std::move(x));
+  }
+  out.soft_to_hard = unless_empty(std::move(list));
+  return t;
+}
+
+/// Bone that the operation has brought out of the skin.
+ResultTable pierced(ResultHead& out, const Head& head) {
+  ResultTable t;
+  Snapshot now;
+  head.fill(now);
+  const BoneOutside o = bone_outside(now);
+  out.bone_outside = std::vector<ResultBoneOutside>{{o.depth_mm, o.area_mm2, vector_of(o.at_mm), o.object}};
+  if (!(o.depth_mm > 0)) return t;
+  t.title = "Bone outside the skin";
+  t.about = "Where bone that lay under the skin before stands out of it now: the place that stands out farthest.";
+  t.columns = {"fragment", "right, mm", "forward, mm", "up, mm", "out by, mm", "area, mm²"};
+  t.rows.push_back({name_of(head, o.object), tenth(o.at_mm.x()), tenth(o.at_mm.y()), tenth(o.at_mm.z()),
+                    tenth(o.depth_mm), short_number(o.area_mm2, 3)});
+  return t;
+}
+
 ResultTable tissues(ResultHead& out, const Head& head) {
   ResultTable t;
   t.title = "Tissue between face and bone";
@@ -252,6 +290,8 @@ void fill_head(Result& r, const Head& head) {
     const Moved m = face_moved(head);
     out.face_moved_max_mm = bones.face_moved_max_mm = m.most_mm;
     out.face_moved_mean_mm = m.mean_mm;
+    tables.push_back(soft_to_hard(out, head));
+    tables.push_back(pierced(out, head));
   }
   tables.push_back(tissues(out, head));
   out.warnings = unless_empty(head.face_model().warnings());

@@ -4,22 +4,11 @@
 
 #include <algorithm>
 
-#include "sim/commands/script.h"
-
 namespace limberg {
 
 namespace {
 
 std::string place(const Vec3& x) { return fmt::format("[{:.2f}, {:.2f}, {:.2f}]", x.x(), x.y(), x.z()); }
-
-/// As a scene writes places; no -0.
-Vec3 to_hundredths(const Vec3& x) { return ((100 * x).array().round() / 100 + 0.).matrix(); }
-
-const FoundLandmark* find(const PatientModel& p, const std::string& name) {
-  const auto& all = p.anatomy.landmark;
-  const auto at = std::find_if(all.begin(), all.end(), [&](const FoundLandmark& l) { return l.name == name; });
-  return at == all.end() ? nullptr : &*at;
-}
 
 /// A TOML string.
 std::string quoted_toml(const std::string& text) {
@@ -48,6 +37,16 @@ std::string patient_scene(const PatientModel& p, double reach_mm, const std::str
   t += "name = \"patient\"\nnote = " + quoted_toml(note) + "\n\n[head]\nsource = \"files\"\nbones = [" + bones + "]\n";
   if (face) t += "face = \"face.simplex\"\n";
   t += "fixed = [" + fixed + "]\niterations_per_step = 12\n\n";
+  // The picture is in left, posterior, superior: the head's frame turned by half a circle about z, and back.
+  Eigen::Isometry3d half_turn = Eigen::Isometry3d::Identity();
+  half_turn.linear() = Vec3(-1, -1, 1).asDiagonal();
+  const Eigen::Isometry3d picture = half_turn * p.anatomy.to_head.inverse();
+  t.pop_back();  // a [head] goes on
+  t += "# To the frame of the CT: left, posterior, superior.\npicture_from_head = [";
+  for (int i = 0; i < 3; ++i)
+    t += fmt::format("{}[{:.12f}, {:.12f}, {:.12f}, {:.6f}]", i > 0 ? ", " : "", picture(i, 0), picture(i, 1),
+                     picture(i, 2), picture(i, 3));
+  t += "]\n\n";
   if (face && reach_mm > 0)
     t += fmt::format(
         "# Soft tissue between bone and the skin over it.\n[[head.tissue]]\nname = \"soft tissue\"\nface = "
@@ -64,27 +63,6 @@ std::string patient_scene(const PatientModel& p, double reach_mm, const std::str
   t += "\n[camera]\ntarget_mm = " + place(middle) + "\nfrom = [-0.6, 1.0, 0.16]\nup = [0, 0, 1]\n" +
        fmt::format("distance_mm = {:.0f}\nfov_deg = 26\n", 1.9 * (high - low).norm());
   return t;
-}
-
-std::string genioplasty_script(const PatientModel& p) {
-  const FoundLandmark *pog = find(p, "Pog"), *me = find(p, "Me");
-  const auto jaw =
-      std::find_if(p.bone.begin(), p.bone.end(), [](const PatientBone& x) { return x.name == "mandible"; });
-  if (!pog || !me || jaw == p.bone.end()) return "";
-  // The lowest 14 mm of the chin, where no roots of teeth are, by a plane that rises backwards by 15 degrees as the
-  // lower border does. The piece is named by its lowest place.
-  const Vec3 at(0, me->at_mm.y(), me->at_mm.z() + 14);
-  CutBone cut;
-  cut.point_mm = to_hundredths(at), cut.normal = Vec3(0, 0.26, 0.97), cut.radius_mm = 32;
-  MoveFragment forwards;
-  forwards.fragment.at_mm = to_hundredths(me->at_mm);
-  forwards.by.translation_mm = {0, 6, 0}, forwards.seconds = 3;
-  Script s;
-  s.header.scene = "patient", s.header.note = "Genioplasty: the chin is cut off and carried 6 mm forwards";
-  for (const Command& c : {Command(Stage{"before"}), Command(HeadCommand(cut)), Command(Stage{"chin cut"}),
-                           Command(HeadCommand(forwards)), Command(Stage{"chin forwards"})})
-    s.lines.push_back({0, c});
-  return to_text(s);
 }
 
 }  // namespace limberg

@@ -1,5 +1,5 @@
 #pragma once
-// The files that a patient from a CT leaves: a scene that runs, and a first operation on it.
+// The scene that a patient from a CT leaves: one that runs (operations.h: what is done on it).
 #include <string>
 
 #include "sim/imaging/anatomy/patient_model.h"
@@ -13,9 +13,5 @@ constexpr double kPatientTissue_kPa = 15;  // as in the shipped heads
 /// tissue between bone and the skin over it within `reach_mm` of the landmark sn (tissue_reach.h; 0: none). `note`: one
 /// line on where it comes from.
 std::string patient_scene(const PatientModel& patient, double reach_mm, const std::string& note);
-
-/// A genioplasty as a script: the chin cut off below the front teeth and carried 6 mm forwards. Empty: no mandible, or
-/// its landmarks are missing.
-std::string genioplasty_script(const PatientModel& patient);
 
 }  // namespace limberg

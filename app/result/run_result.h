@@ -100,9 +100,9 @@ void fields(ResultLatency& x, auto&& f) {
 }
 
 /// The run and the patient at its end. distance_mm: estimated, to equilibrium. A session's residual and distance stand
-/// in `solver`.
+/// in `solver`. scene_path: of the scene's file, whole; what `export` carries the script out on again.
 struct ResultRun {
-  MaybeText scene_title, scene_note, mode;
+  MaybeText scene_title, scene_note, scene_path, mode;
   Maybe duration_s;
   MaybeFlag interrupted;
   ResultLattice lattice;
@@ -117,7 +117,8 @@ struct ResultRun {
   ResultLatency latency_ms;
 };
 void fields(ResultRun& x, auto&& f) {
-  f("scene_title", x.scene_title), f("scene_note", x.scene_note), f("mode", x.mode), f("duration_s", x.duration_s);
+  f("scene_title", x.scene_title), f("scene_note", x.scene_note), f("scene_path", x.scene_path), f("mode", x.mode),
+      f("duration_s", x.duration_s);
   f("interrupted", x.interrupted), f("lattice", x.lattice), f("solve_ms", x.solve_ms), f("residual", x.residual);
   f("distance_mm", x.distance_mm), f("state_hash", x.state_hash), f("topology_hash", x.topology_hash);
   f("scene_hash", x.scene_hash), f("parts", x.parts), f("memory_mb", x.memory_mb), f("workers", x.workers);

@@ -13,6 +13,8 @@
 //                    fixed = ["cranium", ...] names of bones that do not
 //                    move (of a file: its stem), face = true | false,
 //                    iterations_per_step of the face, show_face = "solid" | "clear" | "hidden" at the beginning,
+//                    picture_from_head = [[r, r, r, t], ...] three rows of the map from the head's frame to that of
+//                    the picture (left, posterior, superior, mm) that it was made from: of a patient from a CT,
 //                    carries_skin_mm: with a [body], its fixed nodes that are at most so far from bone move with it
 //   [[head.tissue]]  name, face and bone: a place [x, y, z] or a landmark's
 //                    name; face_radius_mm, bone_radius_mm (0: all bone), layers,
@@ -43,6 +45,7 @@ struct HeadScene {
   FaceShown shown = FaceShown::solid;
   double carries_skin_mm = 6;
   Vec3 offset_mm{0, 0, 0};
+  std::optional<Eigen::Isometry3d> picture_from_head;
 
   struct TissueAt {
     ConnectTissue tissue;              // its places are filled in when the head is built

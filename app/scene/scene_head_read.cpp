@@ -1,5 +1,6 @@
 #include "app/scene/scene_head_read.h"
 
+#include <cmath>
 #include <filesystem>
 #include <iterator>
 
@@ -80,6 +81,29 @@ HeadScene::TissueAt read_tissue(const toml::table& table, const std::string& fil
   return out;
 }
 
+/// Three rows of a turn and a shift, the turn to rounding of what was written.
+std::optional<Eigen::Isometry3d> read_isometry(Table& t, const toml::table& head, const char* key) {
+  const toml::node* n = head.get(key);
+  if (!n) return std::nullopt;
+  Eigen::Isometry3d m = Eigen::Isometry3d::Identity();
+  const toml::array* rows = n->as_array();
+  bool good = rows && rows->size() == 3;
+  for (size_t i = 0; good && i < 3; ++i) {
+    const toml::array* row = (*rows)[i].as_array();
+    good = row && row->size() == 4;
+    for (size_t j = 0; good && j < 4; ++j) {
+      const std::optional<double> v = (*row)[j].value<double>();
+      good = v && std::isfinite(*v) && std::abs(*v) < 1e6;
+      if (good) m.matrix()(Eigen::Index(i), Eigen::Index(j)) = *v;
+    }
+  }
+  constexpr double kRounding = 1e-6;
+  const Mat3 R = m.linear();
+  good = good && (R * R.transpose() - Mat3::Identity()).norm() < kRounding && R.determinant() > 0;
+  if (!good) t.fail(key, "is no turn with a shift; expected three rows of four numbers");
+  return m;
+}
+
 std::string beside(const std::string& file, const std::string& name) {
   return fs::path(name).is_absolute() ? name : (fs::path(file).parent_path() / name).lexically_normal().string();
 }
@@ -136,8 +160,10 @@ std::optional<HeadScene> read_head(const toml::table& root, const std::string& f
     h.shown = shown == "solid" ? FaceShown::solid : shown == "clear" ? FaceShown::clear : FaceShown::hidden;
   }
   t.vector("offset_mm", h.offset_mm, 1e4);
+  h.picture_from_head = read_isometry(t, table, "picture_from_head");
   t.real("carries_skin_mm", h.carries_skin_mm, 0, 1000);
-  t.finish({"source", "bones", "axes", "face", "fixed", "show_face", "tissue", "landmarks", "face_landmarks"});
+  t.finish({"source", "bones", "axes", "face", "fixed", "show_face", "picture_from_head", "tissue", "landmarks",
+            "face_landmarks"});
   if (const toml::node* n = table.get("tissue")) {
     const toml::array* a = n->as_array();
     if (!a || a->size() > kMostTissues)

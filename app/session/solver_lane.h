@@ -22,6 +22,7 @@ struct SolverSettings {
   bool schedule = false;         // pass what each step found on to Channels::solver_takes
   int64_t hash_every = 60;       // with `schedule`: the state's hash goes with every n-th step, about once a second
   bool sample_states = false;    // every n-th step's places go to Channels::states
+  std::function<void(double t_s)> after_step = {};  // looks at the patient, changes nothing
 };
 
 /// A command that the patient refused: nothing was changed.

@@ -34,6 +34,15 @@ struct CutBone {
   std::optional<FragmentPick> of;
   bool must_divide = true;
 };
+/// By planes that meet in a corner, one after the other: a step of a Le Fort I, a sagittal split
+/// (sim/skull/bone/corner_blade.h).
+struct CutBoneByBlade {
+  Vec3 corner_mm{0, 0, 0};
+  std::vector<Vec3> rays;  // directions; each plane lies between one and the next
+  double reach_mm = 150;
+  std::optional<FragmentPick> of;
+  bool must_divide = true;
+};
 struct MoveFragment {
   FragmentPick fragment;
   RigidMove by;
@@ -84,8 +93,9 @@ struct Superpose {
   std::string name;
 };
 
-using HeadCommand = std::variant<CutBone, MoveFragment, GrabFragment, DragFragment, LetGo, PlateFragments,
-                                 JoinFragments, ConnectTissue, PlaceLandmark, Superpose, Unplate, SortFragments>;
+using HeadCommand =
+    std::variant<CutBone, MoveFragment, GrabFragment, DragFragment, LetGo, PlateFragments, JoinFragments, ConnectTissue,
+                 PlaceLandmark, Superpose, Unplate, SortFragments, CutBoneByBlade>;
 
 /// The names of TissueKind in scripts and scenes, in its order.
 inline constexpr const char* kTissueKinds[] = {"smoothing", "springs", "shape", "finite_elements"};

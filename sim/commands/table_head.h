@@ -57,6 +57,37 @@ struct Act<CutBone> {
 };
 
 template <>
+struct Act<CutBoneByBlade> {
+  static constexpr const char* name = "osteotomy";
+  static constexpr const char* mark = "rays";
+  static constexpr Needs needs = Needs::head;
+  static constexpr const char* help =
+      "A cut by planes that meet in a corner, each between a direction from there and the next. Two are a plane that "
+      "ends, three a step, four a sagittal split. None may end within bone.";
+  static constexpr const char* example =
+      R"({"action":"osteotomy","corner":[-60,45,-38],"rays":[[0,1,0],[1,0,0],[0,0,-1]],"reach_mm":150})";
+  static void fields(auto& v, auto& c) {
+    v(Field::given("corner", "where the planes meet"), c.corner_mm);
+    v(Field::path("rays", 2,
+                  "directions from the corner, 5 to 150 degrees from each to the next, two to eight of them"),
+      c.rays);
+    v(Field::number_above("reach_mm", 0, 500, "how far each plane goes along its directions").usually(20, 300),
+      c.reach_mm);
+    v(Field::optional("of", "only this fragment; left out: the one nearest to the corner"), c.of);
+    v(Field::flag("must_divide", true, "false: a cut that frees nothing is allowed"), c.must_divide);
+  }
+  static std::string words(const CutBoneByBlade& c) {
+    return fmt::format("osteotomy by {} planes that meet in a corner", std::max<size_t>(c.rays.size(), 1) - 1);
+  }
+  static Deed deed(const CutBoneByBlade& c) {
+    return {c.rays.size() == 2 ? "Osteotomy by a plane that ends"
+            : c.rays.size() == 3
+                ? "Stepped osteotomy"
+                : fmt::format("Osteotomy by {} planes that meet in a corner", std::max<size_t>(c.rays.size(), 1) - 1)};
+  }
+};
+
+template <>
 struct Act<MoveFragment> {
   static constexpr const char* name = "move_fragment";
   static constexpr Needs needs = Needs::head;

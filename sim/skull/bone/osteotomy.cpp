@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 
 #include "sim/geometry/polyline.h"
 #include "sim/skull/bone/aim.h"
+#include "sim/skull/bone/corner_blade.h"
 #include "sim/skull/bone/drawn_path.h"
 #include "sim/skull/bone/section.h"
 #include "sim/skull/bone/surface.h"
@@ -29,7 +31,8 @@ struct Plan {
   std::string reason;
   std::vector<std::vector<Crossing>> curve;
   std::vector<Piece> piece;
-  std::optional<Vec3> normal;  // of a plane
+  std::function<Vec2(const Vec3&)> flat;  // of a plane, of a fan of planes
+  std::optional<CornerBlade> blade;
 };
 
 std::vector<Vec3> places(const Mesh& m, const std::vector<Crossing>& c) {
@@ -43,6 +46,52 @@ struct Axes {
   explicit Axes(const Vec3& n) : u(n.unitOrthogonal()), v(n.cross(u)) {}
   Vec2 operator()(const Vec3& x) const { return {u.dot(x), v.dot(x)}; }
 };
+
+/// Curves on a surface that lies flat, in sets: an outer one and what lies within it.
+void into_pieces(const Mesh& m, const Osteotomy& o, Section::Curves&& found, Plan& plan) {
+  const bool all = o.kind == Osteotomy::Kind::fan || o.radius_mm <= 0;
+  std::vector<std::vector<Vec2>> polygon;
+  std::vector<double> twice;
+  std::vector<uint8_t> wanted;
+  for (const auto& c : found.closed) {
+    polygon.emplace_back();
+    double near = 1e300;
+    for (const Vec3& x : places(m, c))
+      polygon.back().push_back(plan.flat(x)), near = std::min(near, (x - o.point_mm).norm());
+    twice.push_back(2 * signed_area(polygon.back()));
+    wanted.push_back(all || near <= o.radius_mm);
+  }
+  // Seen against the normal, outer curves run counter-clockwise and the ones around cavities clockwise.
+  std::vector<int32_t> outer_of(polygon.size(), -1);
+  for (size_t i = 0; i < polygon.size(); ++i) {
+    if (twice[i] >= 0) continue;
+    for (size_t j = 0; j < polygon.size(); ++j)
+      if (twice[j] > 0 && inside_polygon(polygon[j], polygon[i][0]) &&
+          (outer_of[i] < 0 || twice[j] < twice[size_t(outer_of[i])]))
+        outer_of[i] = int32_t(j);
+  }
+  std::vector<Piece> pieces;
+  const bool fan = o.kind == Osteotomy::Kind::fan;
+  bool over_ends = all && found.over_ends > 0;
+  for (size_t i = 0; i < polygon.size(); ++i) {
+    if (twice[i] < 0) {
+      if (outer_of[i] < 0 && wanted[i]) over_ends = true;  // its outer curve is not closed
+      continue;
+    }
+    Piece p{{i}};
+    bool any = wanted[i];
+    for (size_t j = 0; j < polygon.size(); ++j)
+      if (outer_of[j] == int32_t(i)) p.curve.push_back(j), any |= bool(wanted[j]);
+    if (any) pieces.push_back(std::move(p));
+  }
+  if (over_ends)
+    plan.reason = std::string(fan ? "the blade" : "the plane") + " runs over the ring of a hole";
+  else if (all && found.open > 0)
+    plan.reason = fan ? "the blade ends within the bone" : "the plane meets the bone in an open curve";
+  else if (pieces.empty())
+    plan.reason = "the plane does not meet the bone within " + std::to_string(int(o.radius_mm)) + " mm of its point";
+  plan.curve = std::move(found.closed), plan.piece = std::move(pieces);
+}
 
 Plan plan_plane(const Mesh& m, std::span<const uint8_t> in, const Osteotomy& o) {
   Plan plan;
@@ -58,47 +107,25 @@ Plan plan_plane(const Mesh& m, std::span<const uint8_t> in, const Osteotomy& o) 
     plan.reason = "the plane does not meet the bone";
     return plan;
   }
-  const Axes flat(n);
-  std::vector<std::vector<Vec2>> polygon;
-  std::vector<double> twice;
-  std::vector<uint8_t> wanted;
-  for (const auto& c : found.closed) {
-    polygon.emplace_back();
-    double near = 1e300;
-    for (const Vec3& x : places(m, c))
-      polygon.back().push_back(flat(x)), near = std::min(near, (x - o.point_mm).norm());
-    twice.push_back(2 * signed_area(polygon.back()));
-    wanted.push_back(o.radius_mm <= 0 || near <= o.radius_mm);
+  plan.flat = Axes(n);
+  into_pieces(m, o, std::move(found), plan);
+  return plan;
+}
+
+Plan plan_fan(const Mesh& m, std::span<const uint8_t> in, const Osteotomy& o) {
+  Plan plan;
+  plan.blade.emplace(o.point_mm, o.ray, o.radius_mm);
+  plan.reason = plan.blade->fault();
+  if (!plan.reason.empty()) return plan;
+  Section section = section_of_ribbon(m, in, plan.blade->places_mm(), plan.blade->triangles());
+  section.mend();
+  Section::Curves found = section.curves();
+  if (found.closed.empty() && found.open + found.over_ends == 0) {
+    plan.reason = "the blade does not meet the bone";
+    return plan;
   }
-  // Seen against the normal, outer curves run counter-clockwise and the ones around cavities clockwise.
-  std::vector<int32_t> outer_of(polygon.size(), -1);
-  for (size_t i = 0; i < polygon.size(); ++i) {
-    if (twice[i] >= 0) continue;
-    for (size_t j = 0; j < polygon.size(); ++j)
-      if (twice[j] > 0 && inside_polygon(polygon[j], polygon[i][0]) &&
-          (outer_of[i] < 0 || twice[j] < twice[size_t(outer_of[i])]))
-        outer_of[i] = int32_t(j);
-  }
-  std::vector<Piece> pieces;
-  bool over_ends = o.radius_mm <= 0 && found.over_ends > 0;
-  for (size_t i = 0; i < polygon.size(); ++i) {
-    if (twice[i] < 0) {
-      if (outer_of[i] < 0 && wanted[i]) over_ends = true;  // its outer curve is not closed
-      continue;
-    }
-    Piece p{{i}};
-    bool any = wanted[i];
-    for (size_t j = 0; j < polygon.size(); ++j)
-      if (outer_of[j] == int32_t(i)) p.curve.push_back(j), any |= bool(wanted[j]);
-    if (any) pieces.push_back(std::move(p));
-  }
-  if (over_ends)
-    plan.reason = "the plane runs over the ring of a hole";
-  else if (o.radius_mm <= 0 && found.open > 0)
-    plan.reason = "the plane meets the bone in an open curve";
-  else if (pieces.empty())
-    plan.reason = "the plane does not meet the bone within " + std::to_string(int(o.radius_mm)) + " mm of its point";
-  plan.curve = std::move(found.closed), plan.piece = std::move(pieces), plan.normal = n;
+  plan.flat = [blade = *plan.blade](const Vec3& x) { return blade.unrolled(x); };
+  into_pieces(m, o, std::move(found), plan);
   return plan;
 }
 
@@ -223,19 +250,45 @@ bool cross(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
   return side(a, b, c) != side(a, b, d) && side(c, d, a) != side(c, d, b);
 }
 
+/// The wall of solid bone, divided where the blade folds: each part lies in a plane. A fold that its ring crosses
+/// more than twice is left.
+std::vector<Facing> folded(Mesh& m, const Facing& wall, const CornerBlade& blade, simplex::Delta& delta) {
+  constexpr double kFromEnds = 0.1;  // of an edge
+  std::vector<Facing> parts{wall};
+  for (size_t fold = 1; fold < blade.sectors(); ++fold)
+    for (size_t i = 0; i < parts.size(); ++i) {
+      const std::vector<Vec3> x = ring_places(m, parts[i]);
+      std::vector<std::pair<int32_t, Vec3>> crossing;
+      for (size_t k = 0; k < x.size(); ++k) {
+        const Vec3 &a = x[k], &b = x[(k + 1) % x.size()];
+        const size_t sa = blade.sector(a), sb = blade.sector(b);
+        if (std::min(sa, sb) != fold - 1 || std::max(sa, sb) != fold) continue;
+        const double da = blade.past_fold(fold, a), db = blade.past_fold(fold, b);
+        const double t = da == db ? 0.5 : std::clamp(da / (da - db), kFromEnds, 1 - kFromEnds);
+        crossing.emplace_back(int32_t(k), a + t * (b - a));
+      }
+      if (crossing.size() != 2) continue;
+      const Rung across{crossing[0].first, crossing[1].first, crossing[0].second, crossing[1].second};
+      const std::array<Facing, 2> both = divide_wall(m, parts[i], across, delta);
+      parts[i] = both[0];
+      parts.push_back(both[1]);
+      break;
+    }
+  return parts;
+}
+
 /// Walls for one piece of cut surface: the outer mouth and the mouths within it.
-std::string wall_piece(Mesh& m, std::vector<Facing> mouth, const std::optional<Vec3>& normal, simplex::Delta& delta,
-                       Cut& out) {
+std::string wall_piece(Mesh& m, std::vector<Facing> mouth, const Plan& plan, simplex::Delta& delta, Cut& out) {
   std::vector<Facing> walls;
   const auto keep = [&](const Facing& w) {
     out.wall_left.push_back(w.face_left), out.wall_right.push_back(w.face_right);
   };
   if (mouth.size() == 1) {
     close_by_walls(m, mouth[0], delta);
-    keep(mouth[0]);
+    for (const Facing& w : plan.blade ? folded(m, mouth[0], *plan.blade, delta) : std::vector{mouth[0]}) keep(w);
     return "";
   }
-  if (!normal || mouth.size() == 2) {
+  if (!plan.flat || mouth.size() == 2) {
     if (std::string bad = join_by_walls(m, mouth[0], mouth[1],
                                         plan_rungs(ring_places(m, mouth[0]), ring_places(m, mouth[1])), delta, walls);
         !bad.empty())
@@ -245,7 +298,7 @@ std::string wall_piece(Mesh& m, std::vector<Facing> mouth, const std::optional<V
   }
   // Several cavities in one plane: each in turn, in the face that
   // holds it. Lines that would cross another ring are left out.
-  const Axes flat(*normal);
+  const auto& flat = plan.flat;
   std::vector<std::vector<Vec2>> ring(mouth.size());
   for (size_t i = 0; i < mouth.size(); ++i)
     for (const Vec3& x : ring_places(m, mouth[i])) ring[i].push_back(flat(x));
@@ -292,7 +345,9 @@ Cut cut_bone(Mesh& m, int32_t inside, const Osteotomy& o, simplex::Delta& delta)
     return out;
   }
   const std::vector<uint8_t> in = component_of(m, inside);
-  const Plan plan = o.kind == Osteotomy::Kind::plane ? plan_plane(m, in, o) : plan_contour(m, in, o);
+  const Plan plan = o.kind == Osteotomy::Kind::plane ? plan_plane(m, in, o)
+                    : o.kind == Osteotomy::Kind::fan ? plan_fan(m, in, o)
+                                                     : plan_contour(m, in, o);
   out.reason = plan.reason;
   if (!out) return out;
   simplex::Delta d;
@@ -308,7 +363,7 @@ Cut cut_bone(Mesh& m, int32_t inside, const Osteotomy& o, simplex::Delta& delta)
       if (std::string bad = cut_curve(m, plan.curve[p.curve[i]], d, mouth[i]); !bad.empty()) return refuse(bad);
       ++out.curves;
     }
-    if (std::string bad = wall_piece(m, std::move(mouth), plan.normal, d, out); !bad.empty()) return refuse(bad);
+    if (std::string bad = wall_piece(m, std::move(mouth), plan, d, out); !bad.empty()) return refuse(bad);
   }
   // What came of it: the parts that hold the walls.
   std::vector<int32_t> of;

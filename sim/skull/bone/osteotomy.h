@@ -9,6 +9,7 @@
 //   contour, table of bone no thicker than deepest_mm    two curves: the drawn one and that on the other table
 //   contour, solid bone, or the contour goes around it   one curve; the wall spans it
 //   plane                                                every closed curve, in sets: an outer one and what lies within
+//   fan of planes (corner_blade.h)                       the same; where the wall of solid bone crosses a fold it folds
 //
 // Volumes: the walls of both sides cancel. What may differ is the surface that the curve
 // crosses: a face is a fan about a lifted centre, and its halves are fans about their own. So
@@ -24,7 +25,7 @@
 namespace limberg::bone {
 
 struct Osteotomy {
-  enum class Kind { contour, plane };
+  enum class Kind { contour, plane, fan };
   Kind kind = Kind::contour;
   /// contour: places on the bone at rest, in order, closed. Near together: a drawn path, as it is. Further apart than
   /// kPickStep_mm: picked points, joined straight on along the surface (in the plane of the two points and the normal).
@@ -34,6 +35,8 @@ struct Osteotomy {
   bool must_divide = true;                               // refused when the bone would stay in one piece
   double radius_mm = 0;    // plane: > 0 cuts only where the curve comes within this distance of point_mm
   double deepest_mm = 25;  // contour: bone thicker than this is solid
+  // fan: planes that meet in point_mm, each between two of these directions and radius_mm long (CornerBlade).
+  std::vector<Vec3> ray;
 };
 
 /// Two places of a path further apart than this are picks, and a drawn path is open when its ends are.

@@ -195,4 +195,42 @@ void close_by_walls(Mesh& m, const Facing& mouth, simplex::Delta& delta) {
   ++m.version;
 }
 
+std::array<Facing, 2> divide_wall(Mesh& m, const Facing& wall, const Rung& at, simplex::Delta& delta) {
+  const size_t n = wall.right.size(), a = size_t(at.a), b = size_t(at.b);
+  Edit e(m, delta);
+  std::array<Facing, 2> out;
+  // Each side: new vertices p on edge a, q on edge b, and the edge between them. `ring` runs as the face on the right.
+  const auto side = [&](const VertexRing& ring, int32_t face, bool right) {
+    const int32_t a0 = ring[a], a1 = ring[(a + 1) % n], b0 = ring[b], b1 = ring[(b + 1) % n];
+    const int32_t behind_a = m.face(right ? m.edge(a1, a0) : m.edge(a0, a1)),
+                  behind_b = m.face(right ? m.edge(b1, b0) : m.edge(b0, b1));
+    const int32_t p = e.add_vertex(a0), q = e.add_vertex(b0);
+    m.x_mm[size_t(p)] = m.before_mm[size_t(p)] = at.a_mm, m.x_mm[size_t(q)] = m.before_mm[size_t(q)] = at.b_mm;
+    for (const auto& [x, y, v] : {std::array{a0, a1, p}, std::array{b0, b1, q}})
+      e.replace_neighbour(x, y, v), e.replace_neighbour(y, x, v);
+    // Counter-clockwise from outside: a ring that runs as its face has it on its left.
+    m.nbr[size_t(p)] = right ? Row{q, a0, a1} : Row{q, a1, a0};
+    m.nbr[size_t(q)] = right ? Row{p, b0, b1} : Row{p, b1, b0};
+    const int32_t after = e.add_face(FaceKind::wall);
+    e.mark_face(behind_a, right ? m.edge(p, a0) : m.edge(a0, p));
+    e.mark_face(behind_b, right ? m.edge(q, b0) : m.edge(b0, q));
+    // What lies after a: p, a1, ..., b0, q.
+    e.mark_face(after, right ? m.edge(p, a1) : m.edge(a1, p));
+    e.mark_face(face, right ? m.edge(q, b1) : m.edge(b1, q));
+    VertexRing first{p}, rest{q};
+    for (size_t i = a + 1; i <= b; ++i) first.push_back(ring[i]);
+    first.push_back(q);
+    for (size_t i = b + 1; i <= a + n; ++i) rest.push_back(ring[i % n]);
+    rest.push_back(p);
+    for (const VertexRing* r : {&first, &rest})
+      for (const int32_t v : *r) e.reshape(v);
+    (right ? out[0].face_right : out[0].face_left) = after, (right ? out[1].face_right : out[1].face_left) = face;
+    (right ? out[0].right : out[0].left) = std::move(first), (right ? out[1].right : out[1].left) = std::move(rest);
+  };
+  side(wall.right, wall.face_right, true);
+  side(wall.left, wall.face_left, false);
+  ++m.version;
+  return out;
+}
+
 }  // namespace limberg::bone

@@ -8,6 +8,7 @@
 //
 // The mouths of the two sides have the same places in opposite order. Everything is planned once for both, so their
 // walls are made of the same polygons, bit for bit.
+#include <array>
 #include <string>
 #include <utility>
 #include <vector>
@@ -42,5 +43,10 @@ std::string join_by_walls(simplex::Mesh& mesh, const Facing& x, const Facing& y,
 
 /// Turns the mouths of a cut into walls.
 void close_by_walls(simplex::Mesh& mesh, const Facing& mouth, simplex::Delta& delta);
+
+/// Divides a wall face on both sides by an edge from edge a of its ring (a -> a + 1 in the order of `right`) to edge b,
+/// a < b, ending there at those places. The two new pairs: what lies after a up to b, and the rest. Change of (V, E, F,
+/// chi) of a side: (2, 3, 1, 0), that is t2.
+std::array<Facing, 2> divide_wall(simplex::Mesh& mesh, const Facing& wall, const Rung& across, simplex::Delta& delta);
 
 }  // namespace limberg::bone

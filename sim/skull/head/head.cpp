@@ -92,15 +92,28 @@ ActedOnHead Head::act(const CutBone& c) {
   o.path_mm = c.contour_mm, o.point_mm = c.point_mm, o.radius_mm = c.radius_mm, o.must_divide = c.must_divide;
   if (c.normal.norm() > 0) o.normal = c.normal.normalized();
   if (c.of && (o.fragment = find(*c.of, reason)) < 0) return refuse(reason);
+  return cut(o);
+}
+
+ActedOnHead Head::act(const CutBoneByBlade& c) {
+  std::string reason;
+  bone::Osteotomy o;
+  o.kind = bone::Osteotomy::Kind::fan;
+  o.point_mm = c.corner_mm, o.ray = c.rays, o.radius_mm = c.reach_mm, o.must_divide = c.must_divide;
+  if (c.of && (o.fragment = find(*c.of, reason)) < 0) return refuse(reason);
+  return cut(o);
+}
+
+ActedOnHead Head::cut(const bone::Osteotomy& o) {
   HeadChange change = before(true);
   const uint64_t version = bones_.version();
-  bone::ActedOnBone cut = bones_.cut(o);
-  if (!cut.done) return Outcome(cut);
-  change.bones = std::move(cut.change);
+  bone::ActedOnBone sawn = bones_.cut(o);
+  if (!sawn.done) return Outcome(sawn);
+  change.bones = std::move(sawn.change);
   return finish(change, [&] {
     bones_changed(version);
     // A cut through what a tissue hangs on is allowed; whoever made it is told.
-    return has_face_ && !face_.warnings().empty() ? face_.warnings().back() : cut.reason;
+    return has_face_ && !face_.warnings().empty() ? face_.warnings().back() : sawn.reason;
   });
 }
 

@@ -129,6 +129,8 @@ class Head {
 
  private:
   ActedOnHead act(const CutBone&);
+  ActedOnHead act(const CutBoneByBlade&);
+  ActedOnHead cut(const bone::Osteotomy& what);
   ActedOnHead act(const MoveFragment&);
   ActedOnHead act(const GrabFragment&);
   ActedOnHead act(const DragFragment&);

@@ -21,6 +21,9 @@ TEST(ScriptHead, EveryActSurvivesTheRoundTrip) {
   contour.contour_mm = {{1, 2, 3}, {4.25, 5, 6}, {7, 8, 9.125}}, contour.must_divide = false;
   plane.point_mm = {0, 80, -70}, plane.normal = {0, 0.5, 1}, plane.radius_mm = 25,
   plane.of = FragmentPick{2, Vec3::Zero()};
+  CutBoneByBlade step;
+  step.corner_mm = {-90, 45.5, -30}, step.rays = {{0, 1, 0}, {1, 0, 0}, {0, 0, -1}}, step.reach_mm = 120,
+  step.of = FragmentPick{-1, Vec3(0, 90, 25)}, step.must_divide = false;
   RigidMove by;
   by.translation_mm = {0, 8, 0}, by.rotation_deg = {0, 0, 12.5}, by.about_mm = Vec3(1, 2, 3);
   ConnectTissue tissue;
@@ -28,6 +31,7 @@ TEST(ScriptHead, EveryActSurvivesTheRoundTrip) {
   tissue.young_kPa = 7.5, tissue.mode = TissueKind::springs;
   const std::vector<HeadCommand> acts{contour,
                                       plane,
+                                      step,
                                       MoveFragment{{-1, {1, 2, 3}}, by, 3},
                                       GrabFragment{{4, Vec3::Zero()}, 1},
                                       DragFragment{by, 0, 1},
@@ -64,6 +68,13 @@ TEST(ScriptHead, BadLinesSayLineAndReason) {
   EXPECT_NE(why(R"({"action":"osteotomy","point":[0,0,0],"normal":[0,0,0]})").find("no length"), std::string::npos);
   EXPECT_NE(why(R"({"action":"osteotomy","contour":[[1,2,3],[4,5,6],[7,8,9]],"normal":[0,0,1]})")
                 .find("unknown key \"normal\""),
+            std::string::npos);
+  EXPECT_NE(why(R"({"action":"osteotomy","corner":[0,0,0],"rays":[[0,1,0]]})")
+                .find("s.jsonl:7: \"rays\" has 1 points; expected 2"),
+            std::string::npos);
+  EXPECT_NE(why(R"({"action":"osteotomy","rays":[[0,1,0],[1,0,0]]})").find("\"corner\" is missing"), std::string::npos);
+  EXPECT_NE(why(R"({"action":"osteotomy","corner":[0,0,0],"rays":[[0,1,0],[1,0,0]],"radius_mm":3})")
+                .find("unknown key \"radius_mm\""),
             std::string::npos);
   EXPECT_NE(why(R"({"action":"move_fragment","translation_mm":[0,8,0]})").find("\"fragment\" is missing"),
             std::string::npos);
