@@ -123,9 +123,10 @@ HandJoints hand_joints(const GlovePose& g) {
 
   HandJoints h;
   const auto place = [&](const Vec3f& x) { return Vec3f(best.wrist + best.turn * Vec3f(x.x(), side * x.y(), x.z())); };
-  const float grips = g.closed ? 0.25f : 0.0f;
+  // The other fingers lie in the palm further than the forefinger, which points; those of a hand that grips still more.
+  const float in_palm = g.closed ? 0.3f : 0.2f;
   for (size_t f = 0; f < HandJoints::kFingers; ++f) {
-    const float bend = f == 1 ? best.bend : std::min(1.0f, best.bend + 0.06f * float(f) + grips);
+    const float bend = f == 1 ? best.bend : std::min(0.9f, best.bend + 0.05f * float(f) + in_palm);
     const std::array<Vec3f, 4> p = f == 0 ? reach(best.thumb) : bent_finger(f, bend);
     for (size_t k = 0; k < 4; ++k) h.finger[f][k] = place(p[k]);
   }

@@ -319,7 +319,7 @@ void add_whole_hand(PropMesh& mesh, const HandJoints& h, const PropLook& look) {
     const Vec3f end = p[3] - r[3] * direction(p[3] - p[2], Vec3f::UnitX());
     bone(p[0], p[1], r[0], r[1]), bone(p[1], p[2], r[1], r[2]), bone(p[2], end, r[2], r[3]);
     joint(p[0], r[0]), joint(p[1], r[1]), joint(p[2], r[2]), joint(end, r[3]);
-    if (f > 0) bone(h.wrist + 0.5f * (p[0] - h.finger[2][0]), p[0], 13, r[0]);
+    if (f > 0) bone(h.wrist + 0.34f * (p[0] - h.finger[2][0]), p[0], 11, r[0]);
     if (f > 1) bone(h.finger[f - 1][0], p[0], 9.5f, 9.5f);
   }
   // Ball of the thumb, the web to the forefinger, heel of the hand.
@@ -327,8 +327,8 @@ void add_whole_hand(PropMesh& mesh, const HandJoints& h, const PropLook& look) {
   bone(h.wrist, root, 14, 13), bone(0.4f * root + 0.6f * first, 0.45f * h.wrist + 0.55f * knuckle, 9, 10);
   const Vec3f along = direction(h.finger[2][0] - h.wrist, Vec3f::UnitX()), across = h.dorsal.cross(along);
   add_ellipsoid(mesh, h.wrist + 0.5f * (h.finger[2][0] - h.wrist) - 0.12f * (h.finger[1][0] - h.finger[4][0]),
-                36 * along, 31 * across, 10.5f * h.dorsal, look, 12);
-  bone(h.forearm, h.wrist, 17, 16);
+                38 * along, 30 * across, 12 * h.dorsal, look, 12);
+  bone(h.forearm, h.wrist, 15, 15);
 }
 
 }  // namespace

@@ -470,7 +470,7 @@ void add_fit(CLI::App& app, Chosen& chosen) {
                 "Shorter edges where it is curved: allowed distance of an edge from the surface [0: even]")
       ->check(number_from(0., 10.));
   c->add_option("--metric-gain", o->metric_gain,
-                "Vertices gather where it is curved, without more of them: 0 none, 0.05 to 0.2 useful [0]")
+                "Vertices gather where it is curved: 0 none, 0.05 useful, more no better than shorter edges [0]")
       ->check(number_from(0., 0.5));
   c->add_option("--start", o->start,
                 "What the mesh is at first: sphere around the object, plane before it (a volume: the -y side; a scan: "

@@ -12,7 +12,9 @@
 
 namespace test_cli_glove {
 
-using namespace limberg;
+using limberg::Calibration, limberg::CommandSample, limberg::load_calibration, limberg::read_recording, limberg::Sample,
+    limberg::StylusSample, limberg::Vec3;
+namespace simplex = limberg::simplex;
 
 class GloveAlone : public Cli {
  protected:
@@ -67,7 +69,8 @@ TEST_F(GloveAlone, SawsAndCarriesAndReplaysToTheSameBits) {
     EXPECT_GT(int(r["checkpoints"]["compared"]), 5);
     EXPECT_EQ(r["head"]["fragments"], fragments);
   }
-  expect_refused("emulate rhomboid rhomboid --glove --out " + path("no.lcm"), {"--glove", "[head]"});
+  expect_refused("emulate rhomboid " + kSource + "/recordings/rhomboid.jsonl --glove --out " + path("no.lcm"),
+                 {"--glove", "[head]"});
 }
 
 // Tip and direction of a forefinger, and the tip of a thumb, from streams whose truth is known (devices/rehearsal.h).

@@ -78,7 +78,7 @@ TEST(HandShape, AHandThatGripsBendsTheOtherFingersFurtherAndALeftOneIsTheMirrorI
   g.closed = true;
   const HandJoints closed = hand_joints(g);
   for (size_t f = 2; f < HandJoints::kFingers; ++f)
-    EXPECT_LT((closed.finger[f][3] - closed.finger[f][0]).norm(), (open.finger[f][3] - open.finger[f][0]).norm() - 8);
+    EXPECT_LT((closed.finger[f][3] - closed.finger[f][0]).norm(), (open.finger[f][3] - open.finger[f][0]).norm() - 2);
   EXPECT_LT((closed.finger[1][1] - open.finger[1][1]).norm(), 1e-3f);
   const auto mirrored = [](const Vec3f& x) { return Vec3f(x.x(), -x.y(), x.z()); };
   GlovePose m = g;

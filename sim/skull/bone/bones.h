@@ -6,8 +6,9 @@
 // the same pose. Pieces keep zones, flags and kept contours.
 //
 // Physics: from grab to release the fragments are rigid bodies of a Bullet world (rigid_world.h), which is built at the
-// grab from the poses and thrown away at the release (and made anew when a second hand grabs or lets go). So what happens depends on the poses and the drags alone, never
-// on what was done before; and where nothing is held there is no Bullet world.
+// grab from the poses and thrown away at the release (and made anew when a second hand grabs or lets go). So what
+// happens depends on the poses and the drags alone, never on what was done before; and where nothing is held there is
+// no Bullet world.
 //
 // Every act returns what takes it back (BoneChange), for the patient's history (patient/history.h): the mesh to the bit
 // (simplex::Delta; again by doing it again), fragments, poses and plates from copies.

@@ -18,8 +18,8 @@ struct Bones::Held {
   std::vector<std::vector<Eigen::Isometry3d>> offset;
   std::vector<InHand> in_hand;  // in the order of their grabs
   std::unique_ptr<RigidWorld> world;
-  /// As it was before the first grab; of what was let go meanwhile, as it was left. What is in a hand has not moved yet,
-  /// as far as undo and redo are concerned.
+  /// As it was before the first grab; of what was let go meanwhile, as it was left. What is in a hand has not moved
+  /// yet, as far as undo and redo are concerned.
   BonesState before;
 };
 

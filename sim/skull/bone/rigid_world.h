@@ -1,6 +1,7 @@
 #pragma once
-// The Bullet world of the fragments while one of them is held, or one in each hand. No Bullet header is included here, and no Bullet is
-// loaded before the first world is made: it is a part of its own (base/part.h, bullet/bullet_world.cpp).
+// The Bullet world of the fragments while one of them is held, or one in each hand. No Bullet header is included here,
+// and no Bullet is loaded before the first world is made: it is a part of its own (base/part.h,
+// bullet/bullet_world.cpp).
 //
 // A fragment is a compound of convex pieces: under every face of its surface a prism, from
 // kInset_mm under the surface to at most kThick_mm (never more than 45 % of the bone's thickness

@@ -15,8 +15,8 @@ namespace {
 using simplex::FaceKind;
 using simplex::Mesh;
 
-// On a ball whose cap was turned by 7 degrees before it was joined, 30, 100 and 300 leave 0.26, 0.25 and 0.25 degrees of
-// 11.7 between the seam's faces and the ball (2026-11-27).
+// On a ball whose cap was turned by 7 degrees before it was joined, 30, 100 and 300 leave 0.26, 0.25 and 0.25 degrees
+// of 11.7 between the seam's faces and the ball (2026-11-27).
 constexpr int kIterations = 100;
 constexpr double kFar = std::numeric_limits<double>::infinity();
 

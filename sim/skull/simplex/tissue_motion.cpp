@@ -51,8 +51,8 @@ inline Edges edges(const Tissue& t, size_t v, const SpringLaw& law, double& long
                  knee = law.kind == Stiffening::none ? 1 : 1 + law.knee;
     const v4 over = l - knee * l0;
     const auto beyond = (over > 0) & (l0 > 0);
-    // What the force is divided by is no less than the tangent and grows into it on the way to the knee. Were it to jump
-    // there as the tangent does, so would the pull on the face, and a spring at the knee would never let it rest.
+    // What the force is divided by is no less than the tangent and grows into it on the way to the knee. Were it to
+    // jump there as the tangent does, so would the pull on the face, and a spring at the knee would never let it rest.
     const v4 stretch = l - l0, way = (knee - 1) * l0;
     const v4 share = stretch > 0 ? (stretch < way ? stretch / (way > 0 ? way : all(1)) : all(1)) : all(0);
     slope = l0 > 0 ? 1 + more * share : all(1);

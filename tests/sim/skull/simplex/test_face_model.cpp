@@ -512,9 +512,9 @@ TEST(ZeroModes, SparseAndDenseCountsAgree) {
   }
 }
 
-// A step of bone under one layer of springs, as the scalp of 1994 has it: springs that cross the step stand about where
-// they stiffen. What their pull is divided by jumped there once, and the face never came to rest (2026-11-27: 0.02 mm an
-// iteration after 8000; now 150 to 310 iterations).
+// A step of bone under one layer of springs, as the scalp of 1994 has it: springs that cross the step stand about
+// where they stiffen. What their pull is divided by jumped there once, and the face never came to rest (2026-11-27:
+// 0.02 mm an iteration after 8000; now 150 to 310 iterations).
 TEST(FaceModel, SpringsThatStiffenOverAStepOfBoneComeToRest) {
   InlineWorkers w;
   const Mesh face = make_sphere({0, 0, 0}, 60, 4);
