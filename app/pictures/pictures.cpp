@@ -70,6 +70,9 @@ ToolPose tool_pose(const ToolState& t, const SecondHand& glove, const SecondHand
   }
   for (int i = 0; i < 3; ++i) p.tip_mm[i] = float(t.tip_mm[i]), p.shaft[i] = float(t.shaft[i]);
   p.glove = glove_pose(glove), p.other_glove = glove_pose(other);
+  // A hand that pushes the cursor has the tool there: it need not be seen whole, and hides what it works on.
+  for (GlovePose* hand : {&p.glove, &p.other_glove})
+    hand->whole &= !(p.visible && hand->points && hand->pointed_mm == p.tip_mm);
   p.other_glove.left = true;
   return p;
 }
