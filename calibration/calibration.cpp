@@ -125,7 +125,7 @@ std::string shortest(double v) {
   return s;
 }
 
-void read_glove(const toml::table& t, GloveParameters& g, const std::string& file) {
+void read_glove(const toml::table& t, GloveParameters& g, const std::string& where, const std::string& file) {
   for (const auto& [key, node] : t) {
     bool known = false;
     for (const GloveField& f : kGlove)
@@ -137,13 +137,14 @@ void read_glove(const toml::table& t, GloveParameters& g, const std::string& fil
         g.*f.value = Vec3(v[0], v[1], v[2]);
       }
     if (!known)
-      throw InputError(file, line_of(node),
-                       "unknown key \"" + std::string(key.str()) + "\" in [glove]; see calibration/identity.toml");
+      throw InputError(
+          file, line_of(node),
+          "unknown key \"" + std::string(key.str()) + "\" in " + where + "; see calibration/identity.toml");
   }
   if (g.open_mm < g.closed_mm + 5 || g.release_share <= g.grab_share)
     throw InputError(
         file, 0,
-        "[glove] is not usable: expected open_mm at least 5 above closed_mm, and release_share above grab_share");
+        where + " is not usable: expected open_mm at least 5 above closed_mm, and release_share above grab_share");
   if (std::abs(g.pointing.norm() - 1) > 0.01)
     throw InputError(file, 0, "\"pointing\" is no direction; expected three numbers of unit length");
 }
@@ -209,7 +210,9 @@ Calibration parse_calibration(const std::string& text, const std::string& name) 
   } catch (const BrokenToml&) {
     throw InputError(name, 0, "is not TOML; expected a calibration file");
   }
-  only_keys(t, {"limberg_calibration", "name", "device", "date", "stylus", "world", "filter", "glove", "distortion"},
+  only_keys(t,
+            {"limberg_calibration", "name", "device", "date", "stylus", "world", "filter", "glove", "other_glove",
+             "distortion"},
             "a calibration", name);
   const auto version = t["limberg_calibration"].value<int64_t>();
   if (!version || *version != Calibration::kVersion)
@@ -229,7 +232,8 @@ Calibration parse_calibration(const std::string& text, const std::string& name) 
       *words = *s;
     }
   constexpr double kFarMm = 10'000;
-  if (const auto* g = table(t, "glove", name)) read_glove(*g, c.glove, name);
+  if (const auto* g = table(t, "glove", name)) read_glove(*g, c.glove, "[glove]", name);
+  if (const auto* g = table(t, "other_glove", name)) read_glove(*g, c.other_glove.emplace(), "[other_glove]", name);
   if (const auto* d = table(t, "distortion", name)) read_distortion(*d, c.distortion, name);
   if (const auto* s = table(t, "stylus", name)) {
     only_keys(*s, {"tip_offset_mm"}, "[stylus]", name);
@@ -295,12 +299,13 @@ std::string to_toml(const Calibration& c) {
        "\n";
   s += "\n[filter]  # see calibration.h\n";
   for (const Field& f : kFilter) s += std::string(f.name) + " = " + shortest(c.filter.*f.value) + "\n";
-  if (!same(c.glove, GloveParameters{})) {
-    s += "\n[glove]  # see calibration.h\n";
-    for (const GloveField& f : kGlove) s += std::string(f.name) + " = " + shortest(c.glove.*f.value) + "\n";
-    for (const GloveVector& f : kGloveVector)
-      s += std::string(f.name) + " = " + list((c.glove.*f.value).data(), 3) + "\n";
-  }
+  const auto write_glove = [&](const char* where, const GloveParameters& g) {
+    s += std::string("\n") + where + "  # see calibration.h\n";
+    for (const GloveField& f : kGlove) s += std::string(f.name) + " = " + shortest(g.*f.value) + "\n";
+    for (const GloveVector& f : kGloveVector) s += std::string(f.name) + " = " + list((g.*f.value).data(), 3) + "\n";
+  };
+  if (!same(c.glove, GloveParameters{})) write_glove("[glove]", c.glove);
+  if (c.other_glove) write_glove("[other_glove]", *c.other_glove);
   if (!c.distortion.empty()) {
     const DistortionGrid& d = c.distortion;
     s += "\n[distortion]  # added to positions in the tracker's frame; x fastest\nnodes = [" +
@@ -337,11 +342,13 @@ uint64_t calibration_hash(const Calibration& c) {
   for (double v : c.world_from_tracker_quat) h.add(v);
   for (const Field& f : kFilter) h.add(c.filter.*f.value);
   // What a calibration does not have leaves its hash as it was before there was such a thing.
-  if (!same(c.glove, GloveParameters{})) {
-    for (const GloveField& f : kGlove) h.add(c.glove.*f.value);
+  const auto add_glove = [&](const GloveParameters& g) {
+    for (const GloveField& f : kGlove) h.add(g.*f.value);
     for (const GloveVector& f : kGloveVector)
-      for (int i = 0; i < 3; ++i) h.add((c.glove.*f.value)[i]);
-  }
+      for (int i = 0; i < 3; ++i) h.add((g.*f.value)[i]);
+  };
+  if (!same(c.glove, GloveParameters{})) add_glove(c.glove);
+  if (c.other_glove) h.add(int32_t(2)), add_glove(*c.other_glove);
   if (!c.distortion.empty()) {
     for (const int n : c.distortion.nodes) h.add(int32_t(n));
     for (int i = 0; i < 3; ++i) h.add(c.distortion.low_mm[i]), h.add(c.distortion.high_mm[i]);

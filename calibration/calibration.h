@@ -8,6 +8,7 @@
 // stream as it is; recordings of the emulated surgeon use it.
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -60,6 +61,7 @@ struct Calibration {
   std::array<double, 4> world_from_tracker_quat{1, 0, 0, 0};  // R_WT as w, x, y, z; unit length
   FilterParameters filter;
   GloveParameters glove;
+  std::optional<GloveParameters> other_glove;  // of a second one; none: as the first
   DistortionGrid distortion;
   std::string device, date;  // what was calibrated and when (ISO 8601), as the user said; not part of the hash
 };

@@ -54,8 +54,8 @@ PivotResult calibrate_pivot(const std::vector<SensorPose>& poses, uint64_t seed,
   r.poses = int(poses.size());
   const auto refuse = [&](const std::string& why) { r.advice += (r.advice.empty() ? "" : "; ") + why; };
   if (r.poses < std::max(kEnough, limits.poses)) {
-    refuse(fmt::format("{} poses where {} are needed: keep the tip in the dimple and turn the stylus for longer",
-                       r.poses, limits.poses));
+    refuse(fmt::format("{} poses where {} are needed: keep the tip on the {} and turn the {} for longer", r.poses,
+                       limits.poses, limits.where, limits.what));
     return r;
   }
   std::vector<Mat3> R;
@@ -119,21 +119,21 @@ PivotResult calibrate_pivot(const std::vector<SensorPose>& poses, uint64_t seed,
   if (share < limits.inliers)
     refuse(
         fmt::format("only {:.0f} % of the poses agree where {:.0f} % are needed: the tip slipped or the field is "
-                    "disturbed; press it into the dimple, take metal away, begin again",
-                    100 * share, 100 * limits.inliers));
+                    "disturbed; press it into the {}, take metal away, begin again",
+                    100 * share, 100 * limits.inliers, limits.where));
   if (r.cone_deg < limits.cone_deg)
-    refuse(fmt::format("a cone of {:.0f} degrees where {:.0f} are needed: tilt the stylus further to all sides",
-                       r.cone_deg, limits.cone_deg));
+    refuse(fmt::format("a cone of {:.0f} degrees where {:.0f} are needed: tilt the {} further to all sides", r.cone_deg,
+                       limits.cone_deg, limits.what));
   else if (r.weakest < limits.weakest)
     refuse(
-        fmt::format("the tip is not determined along one direction ({:.3f} where {:.3f} is needed): tilt the stylus to "
-                    "all sides, do not only spin or rock it",
-                    r.weakest, limits.weakest));
+        fmt::format("the tip is not determined along one direction ({:.3f} where {:.3f} is needed): tilt the {} to all "
+                    "sides, do not only spin or rock it",
+                    r.weakest, limits.weakest, limits.what));
   if (r.residual_mm > limits.residual_mm)
     refuse(
         fmt::format("a residual of {:.2f} mm where {:.2f} is allowed: the tip moved or the field is disturbed; a "
-                    "deeper dimple, nearer to the transmitter",
-                    r.residual_mm, limits.residual_mm));
+                    "deeper {}, nearer to the transmitter",
+                    r.residual_mm, limits.residual_mm, limits.where));
   if (r.repeat_mm > limits.repeat_mm)
     refuse(
         fmt::format("the two halves differ by {:.2f} mm where {:.2f} is allowed: turn more evenly, for longer, or more "

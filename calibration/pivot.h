@@ -1,5 +1,6 @@
 #pragma once
 // Where the tip of a stylus is: the tip stands in a dimple, the stylus is turned about it, and the sensor's poses tell.
+// The same for a finger of a glove, whose tip is held on a fixed place while the hand turns.
 //
 // Each pose (R_i, p_i) says R_i t + p_i = c with the same tip t, in the sensor's frame, and the same dimple c: 3 N
 // linear equations for six unknowns, solved by least squares over the poses that agree (random sample consensus: sets
@@ -24,11 +25,13 @@ struct SensorPose {
 /// within 0.2 mm in 95 of 100, residual 0.8 mm RMS; with 20 degrees 0.31 mm (2026-11-21).
 struct PivotLimits {
   int poses = 200;
-  double cone_deg = 40;      // full opening
-  double weakest = 0.10;     // smallest singular value of the equations, per square root of the poses
-  double residual_mm = 1.0;  // RMS of |R t + p - c| over the poses that agree
-  double inliers = 0.9;      // share of poses that agree
-  double repeat_mm = 0.5;    // tips of the first and of the second half apart
+  double cone_deg = 40;          // full opening
+  double weakest = 0.10;         // smallest singular value of the equations, per square root of the poses
+  double residual_mm = 1.0;      // RMS of |R t + p - c| over the poses that agree
+  double inliers = 0.9;          // share of poses that agree
+  double repeat_mm = 0.5;        // tips of the first and of the second half apart
+  const char* what = "stylus";   // in words: what is turned ...
+  const char* where = "dimple";  // ... and what about
 };
 
 struct PivotResult {

@@ -7,7 +7,10 @@
 namespace limberg {
 
 DeviceFrontEnd::DeviceFrontEnd(const Calibration& calibration, const GestureSettings& gestures)
-    : tracker_(calibration), gestures_(gestures), glove_(calibration), hand_(calibration.glove) {}
+    : tracker_(calibration),
+      gestures_(gestures),
+      glove_{GloveHand(calibration, calibration.glove, 1),
+             GloveHand(calibration, calibration.other_glove.value_or(calibration.glove), 2)} {}
 
 void DeviceFrontEnd::add(std::unique_ptr<Source> source) { sources_.push_back(std::move(source)); }
 
@@ -24,24 +27,76 @@ void DeviceFrontEnd::tick(int64_t tick, const Snapshot& snapshot, EventSink& eve
     if (auto* follower = dynamic_cast<ToolFollower*>(source.get())) follower->hold(gestures_.state());
     source->poll(now_ns, *this);
   }
-  Pose pose = tracker_.at(now_ns);
+  for (GloveHand& g : glove_) g.read(now_ns);
+  pass_tool();
   const Ground ground = acts_on_bone(Tool(gestures_.state().tool)) ? Ground::bone
                         : cursor_on_flesh_                         ? Ground::flesh
                                                                    : Ground::skin;
-  if (cursor_on_) {
-    cursor_.set_ground(ground);
-    if (!cursor_.placed() && pose.valid) cursor_.put(snapshot, pose.tip_mm);
-    cursor_.tick(snapshot, pose, clutch_ || clutch_button_, pressed_);
-    if (cursor_.placed()) pose.tip_mm = cursor_.x_mm();
+  const bool clutch = clutch_ || clutch_button_;
+  const Pose stylus = stylus_pose(now_ns, snapshot, ground);
+  if (tool_hand_ == 0) {
+    gestures_.tick(tick, stylus, pressed_, edges_, snapshot, *this, clutch_);
+  } else {
+    GloveHand& g = glove_[tool_hand_ - 1];
+    gestures_.tick(tick, g.push_cursor(snapshot, ground, clutch), g.pressed(), g.edges(), snapshot, *this, clutch_);
   }
-  gestures_.tick(tick, pose, pressed_, edges_, snapshot, *this, clutch_);
   state = gestures_.state();
-  if (have_glove_)
-    hand_.tick(tick, glove_.at(now_ns), clutch_ || clutch_button_, snapshot, *this,
-               ground == Ground::bone ? Ground::bone : Ground::skin);
+  for (size_t i = 0; i < glove_.size(); ++i)
+    glove_[i].act(tick, tool_hand_ == i + 1, clutch, snapshot, *this,
+                  ground == Ground::bone ? Ground::bone : Ground::skin);
   snapshot_ = nullptr;
   events_ = nullptr;
   recorder_ = nullptr;
+}
+
+Pose DeviceFrontEnd::stylus_pose(int64_t now_ns, const Snapshot& s, Ground ground) {
+  Pose pose = tracker_.at(now_ns);
+  if (!cursor_on_ || tool_hand_ != 0) return pose;
+  cursor_.set_ground(ground);
+  if (!cursor_.placed() && pose.valid) cursor_.put(s, pose.tip_mm);
+  cursor_.tick(s, pose, clutch_ || clutch_button_, pressed_);
+  if (cursor_.placed()) pose.tip_mm = cursor_.x_mm();
+  return pose;
+}
+
+/// The tool goes from hand to hand when neither does anything.
+void DeviceFrontEnd::pass_tool() {
+  if (wanted_hand_ == tool_hand_ && !cursor_anew_) return;
+  const auto idle = [&](size_t hand) {
+    return hand == 0 ? !pressed_ : glove_[hand - 1].seen() && glove_[hand - 1].free();
+  };
+  if (!idle(tool_hand_) || !idle(wanted_hand_)) return;
+  tool_hand_ = wanted_hand_, cursor_anew_ = false;
+  if (tool_hand_ > 0) glove_[tool_hand_ - 1].take_tool();
+}
+
+void DeviceFrontEnd::control(const ControlSample& c) {
+  const size_t which = c.value[kWhichGlove] > 0 ? 1 : 0;
+  switch (c.kind) {
+    case ControlSample::clutch:
+      clutch_ = c.value[0] != 0;
+      break;
+    case ControlSample::cursor:
+      cursor_on_ = c.value[0] > 0;
+      cursor_on_flesh_ = c.value[1] == 1;
+      if (cursor_on_)
+        cursor_.set_gain(c.value[0]);
+      else
+        cursor_.remove();
+      break;
+    case ControlSample::glove:
+      if (int(c.value[kGloveMode]) == kGlovePushesCursor)
+        wanted_hand_ = which + 1, cursor_anew_ = true;
+      else if (wanted_hand_ == which + 1)
+        wanted_hand_ = 0;
+      if (c.value[kCursorGain] > 0) glove_[which].set_cursor_gain(c.value[kCursorGain]);
+      break;
+    case ControlSample::hand_gain:
+      glove_[which].set_gain(c.value[0]);
+      break;
+    default:
+      break;
+  }
 }
 
 void DeviceFrontEnd::on_sample(const Sample& sample) {
@@ -49,15 +104,7 @@ void DeviceFrontEnd::on_sample(const Sample& sample) {
   if (const auto* c = std::get_if<ControlSample>(&sample)) {
     last_sample_ns_ = std::max(last_sample_ns_, c->t_ns);
     gestures_.control(*c, tick_, *snapshot_, *this);
-    if (c->kind == ControlSample::clutch) clutch_ = c->value[0] != 0;
-    if (c->kind == ControlSample::cursor) {
-      cursor_on_ = c->value[0] > 0;
-      cursor_on_flesh_ = c->value[1] == 1;
-      if (cursor_on_)
-        cursor_.set_gain(c->value[0]);
-      else
-        cursor_.remove();
-    }
+    control(*c);
   } else if (const auto* command = std::get_if<CommandSample>(&sample)) {
     last_sample_ns_ = std::max(last_sample_ns_, command->t_ns);
     gestures_.command(command->command, tick_, *snapshot_, *this);
@@ -67,7 +114,9 @@ void DeviceFrontEnd::on_sample(const Sample& sample) {
   } else if (const auto* t = std::get_if<TrackerSample>(&sample)) {
     last_sample_ns_ = std::max(last_sample_ns_, t->t_ns);
     if (t->role == StationRole::stylus) add_stylus(as_stylus(*t), t->device_id);
-    if (t->role == StationRole::forefinger || t->role == StationRole::thumb) have_glove_ = true, glove_.add(*t);
+    if (t->role == StationRole::forefinger || t->role == StationRole::thumb) glove_[0].add(t->role, *t);
+    if (t->role == StationRole::other_forefinger) glove_[1].add(StationRole::forefinger, *t);
+    if (t->role == StationRole::other_thumb) glove_[1].add(StationRole::thumb, *t);
   }
 }
 
@@ -107,10 +156,13 @@ FrontEndCounts DeviceFrontEnd::counts() const {
   }
   c.tracking = tracker_.counts();
   c.events = next_event_;
-  c.events_lost = gestures_.events_lost() + hand_.events_lost();
-  c.glove = glove_.counts();
-  c.grabs = hand_.grabs();
-  c.empty_grabs = hand_.empty_grabs();
+  c.events_lost = gestures_.events_lost();
+  c.glove = glove_[0].counts();
+  for (const GloveHand& g : glove_) {
+    c.events_lost += g.hand().events_lost();
+    c.grabs += g.hand().grabs();
+    c.empty_grabs += g.hand().empty_grabs();
+  }
   c.missed_presses = gestures_.missed_presses();
   c.other_devices = other_devices_;
   return c;

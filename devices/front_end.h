@@ -6,6 +6,10 @@
 // ControlSample::clutch (a key, a pedal) is the clutch of both hands: while it is down they move and what they hold
 // does not; afterwards it follows from where it is. Whatever device has sent the last one counts.
 //
+// A glove either points and grabs, or has the tool and pushes the surface cursor with its forefinger
+// (ControlSample::glove, glove_hand.h): then it cuts, and the stylus rests. ControlSample::hand_gain says how far its
+// hand goes in the scene. There may be two gloves (StationRole::other_forefinger, other_thumb), with a fragment each.
+//
 // With the surface cursor on (ControlSample::cursor) the stylus pushes a place of the skin about instead of being there
 // (surface_cursor.h); every tool then acts at that place, and the second button is the clutch.
 //
@@ -24,6 +28,7 @@
 
 #include "calibration/calibration.h"
 #include "devices/gestures.h"
+#include "devices/glove_hand.h"
 #include "devices/source.h"
 #include "devices/surface_cursor.h"
 #include "devices/tool_event.h"
@@ -57,23 +62,30 @@ class DeviceFrontEnd final : private SampleSink, private EventSink {
   int64_t last_sample_ns() const { return last_sample_ns_; }  // time stamp of the newest sample handled; -1 before any
   FrontEndCounts counts() const;
   const SkinTouch& touched() const { return gestures_.touched(); }
-  /// The glove's hand; nothing is computed for it before a glove has been seen.
-  const SecondHand& second_hand() const { return hand_.state(); }
-  const VirtualHand& hand() const { return hand_; }
+  /// The gloves' hands (0 the first, 1 the other one); nothing is computed for one before it has been seen.
+  const SecondHand& second_hand(size_t glove = 0) const { return glove_[glove].hand().state(); }
+  const VirtualHand& hand(size_t glove = 0) const { return glove_[glove].hand(); }
+  const GloveHand& glove(size_t which) const { return glove_[which]; }
+  /// Which hand has the tool: 0 the stylus', 1 the first glove, 2 the other one.
+  size_t tool_hand() const { return tool_hand_; }
   const SurfaceCursor& cursor() const { return cursor_; }
 
  private:
   void on_sample(const Sample& sample) override;
   bool push(const ToolEvent& event) override;  // numbers the events of both hands
   void add_stylus(const StylusSample& s, int32_t device);
+  void control(const ControlSample& c);
+  void pass_tool();
+  Pose stylus_pose(int64_t now_ns, const Snapshot& s, Ground ground);
 
   std::vector<std::unique_ptr<Source>> sources_;
   StylusTracker tracker_;
   Gestures gestures_;
-  GloveTracker glove_;
-  VirtualHand hand_;
+  std::array<GloveHand, 2> glove_;
+  size_t tool_hand_ = 0, wanted_hand_ = 0;
+  bool cursor_anew_ = false;
   SurfaceCursor cursor_;
-  bool have_glove_ = false, cursor_on_ = false, cursor_on_flesh_ = false;
+  bool cursor_on_ = false, cursor_on_flesh_ = false;
   int64_t next_event_ = 0;
   bool have_stylus_ = false, pressed_ = false;
   bool clutch_button_ = false, clutch_ = false;  // the stylus' second button; ControlSample::clutch

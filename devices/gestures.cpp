@@ -165,7 +165,7 @@ void Gestures::command(const std::shared_ptr<const Command>& c, int64_t tick, co
 }
 
 void Gestures::old_control(const ControlSample& c, int64_t tick, const Snapshot& s, EventSink& out) {
-  if (c.kind < OldControls::kFirst || c.kind == ControlSample::clutch) return;
+  if (c.kind < OldControls::kFirst || c.kind > OldControls::kLast || c.kind == ControlSample::clutch) return;
   const OldControls::Told told = old_.read(c, s);
   if (told.stops_hand) cancel(tick, s, out);
   if (!told.understood) ++missed_;

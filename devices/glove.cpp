@@ -46,6 +46,16 @@ void GrabDetector::reading(double aperture_mm, int finger) {
   beyond_[0] = beyond_[1] = 0;
 }
 
+void OpeningRate::tick(const HandPose& hand) {
+  if (!hand.valid) {
+    known_ = false, rate_mm_s_ = 0;
+    return;
+  }
+  const double rate = known_ ? (hand.aperture_mm - aperture_mm_) * 1000 : 0;  // a tick is a millisecond
+  rate_mm_s_ += 0.05 * (rate - rate_mm_s_);
+  aperture_mm_ = hand.aperture_mm, known_ = true;
+}
+
 GloveTracker::GloveTracker(const Calibration& c)
     : g_(c.glove),
       finger_{StylusTracker(finger_calibration(c, c.glove.forefinger_tip_mm)),

@@ -51,6 +51,18 @@ class GrabDetector {
   int beyond_[2] = {0, 0};  // readings beyond the threshold in a row, per finger
 };
 
+/// How fast the hand opens (mm/s, negative: it closes), smoothed over 20 ms. Once per tick.
+class OpeningRate {
+ public:
+  static constexpr double kClosing_mm_s = 80;  // a hand that closes or opens; tremor and noise stay below 40
+  void tick(const HandPose& hand);
+  double mm_s() const { return rate_mm_s_; }
+
+ private:
+  bool known_ = false;
+  double aperture_mm_ = 0, rate_mm_s_ = 0;
+};
+
 class GloveTracker {
  public:
   explicit GloveTracker(const Calibration& calibration);

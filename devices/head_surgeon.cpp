@@ -20,6 +20,9 @@ constexpr double kOpen_mm = 62, kClosed_mm = 12;  // between the finger tips
 constexpr double kPoint_mm = 45;                  // from the forefinger's tip to the bone that it points at
 constexpr double kClose_s = 0.45;                 // a hand closes or opens
 constexpr int32_t kGloveDevice = 101;
+constexpr double kBend_rad = 0.6;    // a finger's end of the glove that works alone, closed
+constexpr double kSawGain = 0.5;     // of the glove that saws
+constexpr double kCorrects = 0.08;   // share of what the eye sees the cursor beside, in a reading
 const Vec3 kRest_mm{-150, 190, 40};  // where the hands wait
 
 /// A place on the bone as it lies now.
@@ -34,12 +37,27 @@ struct OnBone {
 struct EmulatedHeadSurgeon::Impl {
   /// One thing that the hands do.
   struct Act {
-    enum Kind { hold, saw_to, saw_along, press, let_go, carry_tip, reach, close, carry, open, control, next };
+    enum Kind {
+      hold,
+      saw_to,
+      saw_along,
+      press,
+      let_go,
+      carry_tip,
+      reach,
+      close,
+      carry,
+      open,
+      push_to,
+      push_along,
+      control,
+      next
+    };
     Kind kind = hold;
     double seconds = 0;
     Vec3 to_mm = Vec3::Zero();  // saw_to: on the bone at rest; reach: the pointed place, at rest
     double height_mm = 0;       // saw_to: above the bone
-    std::vector<Vec3> path;     // saw_along: at rest
+    std::vector<Vec3> path;     // saw_along, push_along: at rest
     RigidMove move;             // carry, carry_tip
     Sample sample;              // of a control or a command
   };
@@ -47,7 +65,8 @@ struct EmulatedHeadSurgeon::Impl {
   Impl(std::vector<Command> commands, const SurgeonSettings& s, HeadHands which)
       : script(std::move(commands)),
         set(s),
-        glove(which == HeadHands::stylus_and_glove),
+        glove(which != HeadHands::stylus),
+        stylus(which != HeadHands::glove),
         tremor{Tremor(s.seed * 8 + 1, s.tremor_mm, s.tremor_low_hz, s.tremor_high_hz),
                Tremor(s.seed * 8 + 2, s.tremor_mm, s.tremor_low_hz, s.tremor_high_hz)},
         noise(s.seed * 8 + 3),
@@ -55,12 +74,13 @@ struct EmulatedHeadSurgeon::Impl {
 
   std::vector<Command> script;
   SurgeonSettings set;
-  bool glove;
+  bool glove, stylus;
   Tremor tremor[2];
   RandomStream noise;
   Dropouts dropouts;
   std::vector<std::string> problems;
   const Snapshot* seen = nullptr;
+  ToolState tip_seen;  // of the tool, as it was seen last
 
   std::deque<Act> acts;
   size_t command = 0;
@@ -73,6 +93,7 @@ struct EmulatedHeadSurgeon::Impl {
   Eigen::Quaterniond turn = Eigen::Quaterniond::Identity(), turn_from = turn;
   double aperture = kOpen_mm;
   Eigen::Isometry3d carried = Eigen::Isometry3d::Identity();
+  Vec3 meant = Vec3::Zero();  // push_along: where the cursor was meant to be at the last reading
   int stages = 0;
   int64_t sample = 0, stylus_seq = 0, control_seq = 0, command_seq = 0, station_seq[2] = {0, 0}, sent = 0;
 
@@ -175,6 +196,7 @@ struct EmulatedHeadSurgeon::Impl {
   void plan(const CutBone& c) {
     if (c.contour_mm.size() < 3) return problem("a plane is no gesture; expected an osteotomy by a contour");
     choose(ControlSample::select_tool, Tool::saw);
+    if (!stylus) return plan_pushed(c);
     Act to = press_down(c.contour_mm.front());
     Act along;
     along.kind = Act::saw_along;
@@ -185,6 +207,34 @@ struct EmulatedHeadSurgeon::Impl {
     add(Act::let_go);
     to.height_mm = 4 * set.hover_mm;
     acts.push_back(to);
+    add(Act::hold, set.settle_s);
+  }
+
+  void plan_pushed(const CutBone& c) {
+    Act reach;
+    reach.kind = Act::reach;
+    reach.to_mm = c.contour_mm.front();
+    acts.push_back(reach);
+    add(Act::hold, 0.2);
+    choose(ControlSample::glove, Tool::none, {kGlovePushesCursor, kSawGain, 0, 0});
+    Act push;
+    push.kind = Act::push_to;
+    push.seconds = 0.8, push.to_mm = c.contour_mm.front();
+    acts.push_back(push);
+    add(Act::close, kClose_s);
+    add(Act::hold, 0.2);
+    push.kind = Act::push_along;
+    push.path = c.contour_mm;
+    push.path.push_back(c.contour_mm.front());
+    acts.push_back(push);
+    push.kind = Act::push_to;
+    push.seconds = 0.4;
+    acts.push_back(push);
+    add(Act::open, kClose_s);
+    add(Act::hold, 0.2);
+    choose(ControlSample::glove, Tool::none, {kGlovePoints, 0, 0, 0});
+    reach.to_mm = kRest_mm, reach.height_mm = -1;
+    acts.push_back(reach);
     add(Act::hold, set.settle_s);
   }
 
@@ -273,6 +323,10 @@ struct EmulatedHeadSurgeon::Impl {
         return a.seconds;
       case Act::saw_to:
         return std::max(0.25, (on_bone(a.to_mm).x_mm - tip).norm() / set.carry_mm_s);
+      case Act::push_to:
+      case Act::push_along:
+        meant = on_bone(a.kind == Act::push_to ? a.to_mm : a.path.front()).x_mm;
+        return a.kind == Act::push_to ? a.seconds : std::max(0.5, path_length(a.path) / set.draw_mm_s);
       case Act::saw_along:
         return std::max(0.5, path_length(a.path) / set.draw_mm_s);
       case Act::reach:
@@ -310,6 +364,14 @@ struct EmulatedHeadSurgeon::Impl {
       up = b.normal;
       const Vec3 to = b.x_mm + a.height_mm * b.normal;
       tip = a.kind == Act::saw_to ? Vec3(tip_from + s * (to - tip_from)) : to;
+    } else if (a.kind == Act::push_to || a.kind == Act::push_along) {
+      const OnBone b = on_bone(a.kind == Act::push_to ? a.to_mm : along(a.path, s));
+      if (!b.found || !tip_seen.valid) return;
+      // The hand goes as the cursor shall, and a little towards where it is not yet; along the surface, where it can.
+      Vec3 beside = b.x_mm - Vec3(tip_seen.tip_mm[0], tip_seen.tip_mm[1], tip_seen.tip_mm[2]);
+      beside -= beside.dot(b.normal) * b.normal;
+      centre += (b.x_mm - meant + kCorrects * beside) / kSawGain;
+      meant = b.x_mm;
     } else if (a.kind == Act::reach) {
       Vec3 to = a.to_mm;
       Eigen::Quaterniond wanted = turn_from;
@@ -392,7 +454,9 @@ struct EmulatedHeadSurgeon::Impl {
     s.role = finger == 0 ? StationRole::forefinger : StationRole::thumb;
     const double half = 0.5 * (finger == 0 ? aperture : -aperture);
     s.pos_mm = centre + turn * Vec3(0, 0, half) + tremor[1].at(t_s) + set.noise_mm * noise.normal3();
-    s.quat = noisy(turn);
+    // Fingers that close bend, one towards the other; the glove that works alone is drawn as it is.
+    const double bend = stylus ? 0 : kBend_rad * (kOpen_mm - aperture) / (kOpen_mm - kClosed_mm);
+    s.quat = noisy(bend == 0 ? turn : turn * turn_about(finger == 0 ? bend : -bend, Vec3::UnitY()));
     ++sent;
     sink.on_sample(s);
   }
@@ -410,7 +474,7 @@ struct EmulatedHeadSurgeon::Impl {
       advance(t_s, t_ns, sink);
       const bool lost = dropouts.lost(t_s);
       if (!lost) {
-        send_stylus(t_s, t_ns, sink);
+        if (stylus) send_stylus(t_s, t_ns, sink);
         if (glove) send_station(int(sample % 2), t_s, t_ns, sink);
       }
       ++sample;
@@ -422,6 +486,7 @@ EmulatedHeadSurgeon::EmulatedHeadSurgeon(std::vector<Command> script, const Surg
     : impl_(new Impl(std::move(script), settings, hands)) {}
 EmulatedHeadSurgeon::~EmulatedHeadSurgeon() = default;
 void EmulatedHeadSurgeon::look(const Snapshot& snapshot) { impl_->seen = &snapshot; }
+void EmulatedHeadSurgeon::hold(const ToolState& tool) { impl_->tip_seen = tool; }
 void EmulatedHeadSurgeon::poll(int64_t now_ns, SampleSink& sink) { impl_->poll(now_ns, sink); }
 bool EmulatedHeadSurgeon::done() const { return impl_->finished; }
 SourceCounts EmulatedHeadSurgeon::counts() const {

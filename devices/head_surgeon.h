@@ -10,8 +10,10 @@
 //   landmark, superpose     chosen away from the hand, as with keys
 //   stage, wait, undo, redo as the stylus does them
 //
-// With the stylus alone (HeadHands::stylus) a fragment is gripped
-// by its tip and goes where the stylus is moved and turned.
+// With the stylus alone (HeadHands::stylus) a fragment is gripped by its tip and goes where the stylus is moved and
+// turned. With the glove alone (HeadHands::glove) the saw is in the glove too: it points at where the contour begins,
+// the surface cursor comes there, and thumb and forefinger close and push it round the contour. The eye sees where the
+// cursor is (ToolFollower) and the hand corrects, as anybody's does; then it opens, points and grabs.
 //
 // Everything else (planes, plates, joins, tissue) is no gesture: a line in problems(). Noise,
 // tremor and gaps are those of SurgeonSettings; everything random comes from its seed. The glove is
@@ -21,17 +23,19 @@
 #include <vector>
 
 #include "devices/emulator.h"
+#include "devices/force/tool_follower.h"
 
 namespace limberg {
 
-enum class HeadHands { stylus_and_glove, stylus };
+enum class HeadHands { stylus_and_glove, stylus, glove };
 
-class EmulatedHeadSurgeon final : public Source {
+class EmulatedHeadSurgeon final : public Source, public ToolFollower {
  public:
   explicit EmulatedHeadSurgeon(std::vector<Command> script, const SurgeonSettings& settings = {},
                                HeadHands hands = HeadHands::stylus_and_glove);
   ~EmulatedHeadSurgeon() override;
   void look(const Snapshot& snapshot) override;  // keeps a pointer until the next poll
+  void hold(const ToolState& tool) override;     // where the tool is seen
   void poll(int64_t now_ns, SampleSink& sink) override;
   bool done() const override;
   SourceCounts counts() const override;

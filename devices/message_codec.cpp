@@ -66,7 +66,7 @@ const char* to_sample(const limberg_msg::stylus_t& m, StylusSample& s, bool any_
 
 const char* to_sample(const limberg_msg::control_t& m, ControlSample& s, bool any_time) {
   if (const char* wrong = check_prefix(m, any_time)) return wrong;
-  if (m.kind < ControlSample::select_tool || m.kind > OldControls::kLast) return "unknown kind of control";
+  if (m.kind < ControlSample::select_tool || m.kind > ControlSample::kLastKind) return "unknown kind of control";
   if (m.tool < int32_t(Tool::none) || m.tool > int32_t(Tool::grab)) return "unknown tool";
   for (double v : m.value)
     if (!std::isfinite(v) || std::abs(v) > 1e6) return "control value is not a number of this world";
@@ -103,7 +103,8 @@ const char* to_sample(const limberg_msg::tracker_t& m, TrackerSample& s, bool an
   if (const char* wrong = check_prefix(m, any_time)) return wrong;
   if (const char* wrong = check_pose(m.pos_mm, m.quat)) return wrong;
   if (m.station < 1 || m.station > 4) return "unknown station";
-  if (m.role < int32_t(StationRole::none) || m.role > int32_t(StationRole::thumb)) return "unknown role of a station";
+  if (m.role < int32_t(StationRole::none) || m.role > int32_t(StationRole::other_thumb))
+    return "unknown role of a station";
   if (m.status < 0x20 || m.status > 0x7E) return "status is not a character";
   if (!any_time && (m.t_device_ns > m.t_host_ns || m.t_device_ns < m.t_host_ns - kOldestReadingNs))
     return "reading not from the last second";

@@ -42,6 +42,34 @@ fastrak::Motion stylus_in_dimple(const PivotRehearsal& r) {
   };
 }
 
+fastrak::Motion finger_on_place(const PivotRehearsal& r, int station) {
+  const fastrak::Motion finger = stylus_in_dimple(r);
+  return [=](int asked, double t) {
+    fastrak::StationPose p = finger(1, t);
+    p.pressed = false;
+    if (asked != station) p.pos_mm += p.orientation * Vec3(-10, 30, -35);
+    return p;
+  };
+}
+
+fastrak::Motion pointing_at_place(const PointingRehearsal& r) {
+  auto beside = std::make_shared<Tremor>(r.seed * 2 + 1, r.aim_deg * std::numbers::pi / 180, 0.4, 2);
+  return [=](int station, double t) {
+    const double half = r.cone_deg / 2 * std::numbers::pi / 180;
+    const double lean = half * std::sqrt(0.5 - 0.5 * elementary::cos(kFullTurn * 0.11 * t));
+    const Vec3 from = leaning(lean, kFullTurn * 0.33 * t, 0) * Vec3(0, 0, -1);
+    const Vec3 tip = r.place_mm + (225 + 75 * elementary::sin(kFullTurn * 0.21 * t)) * from;
+    Vec3 towards = (r.place_mm - tip).normalized();
+    towards = (towards + towards.cross(beside->at(t))).normalized();
+    fastrak::StationPose p;
+    p.orientation = turn_about(0.5 * elementary::sin(kFullTurn * 0.17 * t), towards) *
+                    Eigen::Quaterniond::FromTwoVectors(r.direction, towards);
+    p.pos_mm = tip - p.orientation * r.tip_mm;
+    if (station != 1) p.pos_mm += p.orientation * Vec3(-10, 30, -35);
+    return p;
+  };
+}
+
 double seconds_for(const TouchRehearsal& r) { return kStartS + double(r.points_mm.size()) + 0.5; }
 
 fastrak::Motion stylus_touching(const TouchRehearsal& r) {

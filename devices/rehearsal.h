@@ -31,6 +31,21 @@ struct TouchRehearsal {
 fastrak::Motion stylus_touching(const TouchRehearsal& r);
 double seconds_for(const TouchRehearsal& r);
 
+/// A glove on stations 1 and 2 whose forefinger (station 1) or thumb (station 2), as r has its tip, is held on a place
+/// while the hand turns about it; the other finger goes along.
+fastrak::Motion finger_on_place(const PivotRehearsal& r, int station);
+
+struct PointingRehearsal {
+  uint64_t seed = 1;
+  Vec3 tip_mm{17, 2, -8};  // of the forefinger, in its sensor's frame
+  Vec3 direction = Vec3(0.94, 0.1, -0.32).normalized();
+  Vec3 place_mm{380, 40, -90};  // in the tracker's
+  double cone_deg = 60;         // of the directions that it points from, full opening
+  double aim_deg = 0.7;         // how far beside the place it points, per axis
+};
+/// A glove on stations 1 and 2 whose forefinger points at one place from 150 to 300 mm, from several sides.
+fastrak::Motion pointing_at_place(const PointingRehearsal& r);
+
 /// A glove on stations 1 and 2 that is opened and closed every two seconds, in motion; tips at the sensors.
 fastrak::Motion glove_opening(uint64_t seed, double closed_mm, double open_mm);
 

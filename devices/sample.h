@@ -58,8 +58,11 @@ struct ControlSample {
     redo = 5,
     cursor = 6,
     name_place = 7,  // of a head: what the tool touches has a name from now on
-    clutch = 9
+    clutch = 9,
+    glove = 17,  // what a glove does
+    hand_gain = 18
   };  // 8, 10 to 16, and 7 with a place: in recordings before command_t (old_controls.h)
+  static constexpr int32_t kLastKind = hand_gain;
   int32_t device_id = 0;
   int64_t seq = 0, t_ns = 0;
   int32_t kind = select_tool;
@@ -69,10 +72,15 @@ struct ControlSample {
       value{};  // select_tool: depth_mm, angle_deg, spacing_mm, hook id; stage: its number; release_hook: id
                 // cursor: gain (0: off), 1 to walk on walls and bed too; clutch: 1 down, 0 up
                 // name_place: value[3] says what the name is for (Touched)
+                // glove: kGloveMode, kCursorGain (0: as it was), kWhichGlove; hand_gain: the gain (0: the hand is
+                // where it is in the room again), kWhichGlove
                 // angle_deg 0: the blade's angle is read from the shaft during the stroke
 };
 
 enum ControlValue : int { kDepth = 0, kAngle = 1, kSpacing = 2, kHookId = 3 };  // select_tool's value[]
+
+enum GloveValue : int { kGloveMode = 0, kCursorGain = 1, kWhichGlove = 2 };  // value[] of glove and hand_gain
+enum GloveMode : int { kGlovePoints = 0, kGlovePushesCursor = 1 };           // glove's value[kGloveMode]
 
 enum Touched : int { kTouchedBone = 0, kFaceNearTip = 3 };  // name_place's value[3]
 
@@ -88,7 +96,14 @@ struct CommandSample {
 CommandSample command_sample(const Command& command);
 
 /// What a station of a tracker is fixed to.
-enum class StationRole : int32_t { none = 0, stylus = 1, forefinger = 2, thumb = 3 };
+enum class StationRole : int32_t {
+  none = 0,
+  stylus = 1,
+  forefinger = 2,
+  thumb = 3,
+  other_forefinger = 4,  // of a second glove, on the other hand
+  other_thumb = 5
+};
 
 /// A reading of a tracker was made at most so long before it came.
 inline constexpr int64_t kOldestReadingNs = 1'000'000'000;

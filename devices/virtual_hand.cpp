@@ -91,28 +91,25 @@ PointedPlace PointingSearch::find(const Snapshot& s, const Vec3& origin_mm, cons
 }
 
 void VirtualHand::emit(ToolEvent e, EventSink& out) {
-  e.hand = 1;
+  e.hand = number_;
   if (!out.push(e)) ++lost_;
 }
 
 void VirtualHand::tick(int64_t tick, const HandPose& hand, bool clutch, const Snapshot& s, EventSink& out,
                        Ground ground) {
   search_.ground = s.topology && !s.topology->body ? Ground::bone : ground;
+  opening_.tick(hand);
   state_.valid = hand.valid;
   state_.closed = hand.closed;
   if (hand.valid) {
     for (int i = 0; i < 3; ++i) state_.centre_mm[i] = hand.centre_mm[i];
     const double open = (hand.aperture_mm - glove_.closed_mm) / (glove_.open_mm - glove_.closed_mm);
-    const double rate = aperture_known_ ? (hand.aperture_mm - aperture_mm_) * 1000 : 0;  // a tick is a millisecond
-    opening_mm_s_ += 0.05 * (rate - opening_mm_s_);
-    aperture_mm_ = hand.aperture_mm, aperture_known_ = true;
     if (!hand.closed && state_.held_hook == 0 && state_.carried.holds == 0 && open >= kFrozenBelow &&
-        opening_mm_s_ > -kClosing_mm_s) {
+        opening_.mm_s() > -OpeningRate::kClosing_mm_s) {
       search_.step(s, hand.forefinger.tip_mm, hand.pointing);
       pointed_ = search_.place();
     }
   }
-  if (!hand.valid) aperture_known_ = false, opening_mm_s_ = 0;
   ToolEvent e;
   e.tick = tick;
   e.snapshot = s.step;
@@ -133,7 +130,8 @@ void VirtualHand::tick(int64_t tick, const HandPose& hand, bool clutch, const Sn
     } else if (there) {
       const ChartPoint chart = s.topology->to_chart(pointed_.X_mm);
       held_mm_ = pointed_.x_mm;
-      for (const HookState& h : s.hooks) next_hook_ = std::max(next_hook_, h.id + 1);
+      for (const HookState& h : s.hooks)
+        if (h.id / kFirstHook == number_) next_hook_ = std::max(next_hook_, h.id + 1);
       e.kind = ToolEvent::hook_set;
       e.id = state_.held_hook = next_hook_++;
       e.chart_x = chart.x(), e.chart_y = chart.y();
@@ -170,12 +168,38 @@ void VirtualHand::tick(int64_t tick, const HandPose& hand, bool clutch, const Sn
     }
     const bool holds = state_.held_hook != 0 || state_.carried.holds != 0;
     state_.points = holds || (!hand.closed && pointed_.triangle >= 0);
-    for (int i = 0; i < 3; ++i) {
-      state_.forefinger_mm[i] = hand.forefinger.tip_mm[i], state_.thumb_mm[i] = hand.thumb.tip_mm[i];
-      state_.pointing[i] = hand.pointing[i];
-      state_.pointed_mm[i] = holds ? state_.hook_mm[i] : pointed_.x_mm[i];
-    }
+    note_fingers(hand);
+    for (int i = 0; i < 3; ++i) state_.pointed_mm[i] = holds ? state_.hook_mm[i] : pointed_.x_mm[i];
   }
+}
+
+void VirtualHand::note_fingers(const HandPose& hand) {
+  for (int i = 0; i < 3; ++i) {
+    state_.forefinger_mm[i] = hand.forefinger.tip_mm[i], state_.thumb_mm[i] = hand.thumb.tip_mm[i];
+    state_.pointing[i] = hand.pointing[i];
+  }
+  // Of a closed hand the tips say nothing of its turn about the forefinger.
+  constexpr double kOpen_mm = 35, kSlow = 0.005;  // 0.2 s
+  Vec3 across = hand.thumb.tip_mm - hand.forefinger.tip_mm;
+  across -= across.dot(hand.pointing) * hand.pointing;
+  if (const double wide = across.norm(); wide > kOpen_mm) {
+    const Vec3 seen = hand.orientation.conjugate() * (across / wide);
+    const Vec3 mean = thumbwards_ + (thumbwards_.norm() > 0 ? kSlow : 1) * (seen - thumbwards_);
+    if (mean.norm() > 1e-3) thumbwards_ = mean.normalized();
+  }
+  const Vec3 now = hand.orientation * thumbwards_;
+  for (int i = 0; i < 3; ++i) state_.thumbwards[i] = now[i];
+}
+
+void VirtualHand::show_at_cursor(const HandPose& hand, bool there, const Vec3& cursor_mm) {
+  state_.valid = hand.valid;
+  state_.closed = hand.closed;
+  if (!hand.valid) return;
+  opening_ = {};
+  was_closed_ = hand.closed;
+  state_.points = there;
+  note_fingers(hand);
+  for (int i = 0; i < 3; ++i) state_.centre_mm[i] = hand.centre_mm[i], state_.pointed_mm[i] = cursor_mm[i];
 }
 
 }  // namespace limberg

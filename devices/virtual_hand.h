@@ -4,7 +4,7 @@
 //   pointing   the closest place of the skin that the line of the forefinger
 //              meets; where it meets none, the place least beside it within
 //              a cone. A hand that closes bends its forefinger: once it
-//              closes faster than kClosing_mm_s, or is less than 60 % open,
+//              closes faster than OpeningRate::kClosing_mm_s, or is less than 60 % open,
 //              the place that was pointed at last is kept.
 //   grab       what is pointed at is held from the tick on which the hand
 //              closes, where it is: nothing jumps. Skin is held by a hook
@@ -65,20 +65,27 @@ struct SecondHand {
   // For pictures:
   double forefinger_mm[3]{}, thumb_mm[3]{};  // the finger tips
   double pointing[3]{1, 0, 0};               // the forefinger's direction, unit
+  /// Unit, across the forefinger towards the thumb, as the open hand had it, turned as the sensors turned since; zero
+  /// before the hand was open.
+  double thumbwards[3]{};
   int32_t points = 0;      // 1: at pointed_mm, the place that would be selected; of a hand that holds something,
   double pointed_mm[3]{};  // where it holds it
 };
 
 class VirtualHand {
  public:
-  static constexpr int32_t kFirstHook = 1001;  // its hooks do not meet those of the stylus
+  static constexpr int32_t kFirstHook = 1001;  // times its number: hands' hooks do not meet
   static constexpr double kFrozenBelow = 0.6;  // share of the opening below which the pointed place is kept
-  static constexpr double kClosing_mm_s = 80;  // of the distance of the tips; tremor and noise stay below 40
-  explicit VirtualHand(const GloveParameters& glove) : glove_(glove) {}
+  /// `number`: of the hand in its events, 1 or 2.
+  explicit VirtualHand(const GloveParameters& glove, int32_t number = 1)
+      : glove_(glove), number_(number), next_hook_(kFirstHook * number) {}
 
   /// `ground`: what it points at; bone where there is nothing else.
   void tick(int64_t tick, const HandPose& hand, bool clutch, const Snapshot& s, EventSink& out,
             Ground ground = Ground::skin);
+  /// Instead of tick() while the hand pushes a cursor: nothing is pointed at or grabbed, and a hand that is closed when
+  /// it points again has to open first.
+  void show_at_cursor(const HandPose& hand, bool there, const Vec3& cursor_mm);
   const PointedPlace& pointed() const { return pointed_; }
   const RigidGrip& grip() const { return grip_; }
   const SecondHand& state() const { return state_; }
@@ -88,15 +95,18 @@ class VirtualHand {
 
  private:
   void emit(ToolEvent e, EventSink& out);
+  void note_fingers(const HandPose& hand);
   GloveParameters glove_;
+  int32_t number_ = 1;
   PointingSearch search_;
   PointedPlace pointed_;
   RigidGrip grip_;
   SecondHand state_;
   Vec3 held_mm_ = Vec3::Zero();
-  bool was_closed_ = false, aperture_known_ = false;
-  double aperture_mm_ = 0, opening_mm_s_ = 0;  // at the last tick; its rate, smoothed over 20 ms
-  int32_t next_hook_ = kFirstHook, bone_grabs_ = 0;
+  Vec3 thumbwards_ = Vec3::Zero();  // in the frame of the hand's orientation
+  bool was_closed_ = false;
+  OpeningRate opening_;
+  int32_t next_hook_, bone_grabs_ = 0;
   int64_t grabs_ = 0, empty_ = 0, lost_ = 0;
 };
 

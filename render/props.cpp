@@ -4,6 +4,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "render/hand_shape.h"
 #include "render/render_scene.h"
 
 namespace limberg {
@@ -283,6 +284,55 @@ void add_tool(PropMesh& mesh, const ToolPose& tool) {
   }
 }
 
+namespace {
+
+/// The last joints of each finger, thinner than they are so that they hide little. The thumb's station says where its
+/// tip is; it comes from where the hand is.
+void add_last_joints(PropMesh& mesh, const GlovePose& g, const Vec3f& d, const PropLook& finger, const PropLook& sign) {
+  const Vec3f palm = 0.5f * (g.forefinger_mm + g.thumb_mm) - 30 * d;
+  for (const auto& [tip, back, thick] :
+       {std::tuple{g.forefinger_mm, Vec3f(-d), 2.0f}, {g.thumb_mm, direction(palm - g.thumb_mm, -d), 2.3f}}) {
+    const std::array<Vec3f, 3> path{tip + thick * back, tip + 8 * back, tip + 18 * back};
+    const std::array<float, 3> radius{thick, 1.15f * thick, 1.25f * thick};
+    add_tube(mesh, path, radius, finger, 12);
+  }
+  add_tube(mesh, std::array{g.forefinger_mm, g.thumb_mm}, std::array{0.6f, 0.6f}, sign, 6);
+}
+
+/// A gloved hand: each bone a capsule, knuckles a little thicker, the palm filled between them.
+void add_whole_hand(PropMesh& mesh, const HandJoints& h, const PropLook& look) {
+  constexpr float kThick_mm[HandJoints::kFingers][4] = {{13, 10.5f, 9, 6.5f},
+                                                        {10, 8.6f, 7.4f, 5.6f},
+                                                        {10, 8.8f, 7.6f, 5.8f},
+                                                        {9.5f, 8.2f, 7.1f, 5.4f},
+                                                        {8.5f, 7.2f, 6.2f, 4.8f}};
+  const auto bone = [&](const Vec3f& a, const Vec3f& b, float ra, float rb) {
+    if ((b - a).norm() > 1e-3f) add_tube(mesh, std::array{a, b}, std::array{ra, rb}, look, 14);
+  };
+  const auto joint = [&](const Vec3f& at, float r) {
+    add_ellipsoid(mesh, at, r * Vec3f::UnitX(), r * Vec3f::UnitY(), r * Vec3f::UnitZ(), look, 8);
+  };
+  for (size_t f = 0; f < HandJoints::kFingers; ++f) {
+    const auto& p = h.finger[f];
+    const auto& r = kThick_mm[f];
+    // The tip that is tracked is that of the skin: the last ball ends there.
+    const Vec3f end = p[3] - r[3] * direction(p[3] - p[2], Vec3f::UnitX());
+    bone(p[0], p[1], r[0], r[1]), bone(p[1], p[2], r[1], r[2]), bone(p[2], end, r[2], r[3]);
+    joint(p[0], r[0]), joint(p[1], r[1]), joint(p[2], r[2]), joint(end, r[3]);
+    if (f > 0) bone(h.wrist + 0.34f * (p[0] - h.finger[2][0]), p[0], 11, r[0]);
+    if (f > 1) bone(h.finger[f - 1][0], p[0], 9.5f, 9.5f);
+  }
+  // Ball of the thumb, the web to the forefinger, heel of the hand.
+  const Vec3f &root = h.finger[0][0], &first = h.finger[0][1], &knuckle = h.finger[1][0];
+  bone(h.wrist, root, 14, 13), bone(0.4f * root + 0.6f * first, 0.45f * h.wrist + 0.55f * knuckle, 9, 10);
+  const Vec3f along = direction(h.finger[2][0] - h.wrist, Vec3f::UnitX()), across = h.dorsal.cross(along);
+  add_ellipsoid(mesh, h.wrist + 0.5f * (h.finger[2][0] - h.wrist) - 0.12f * (h.finger[1][0] - h.finger[4][0]),
+                38 * along, 30 * across, 12 * h.dorsal, look, 12);
+  bone(h.forearm, h.wrist, 15, 15);
+}
+
+}  // namespace
+
 void add_glove(PropMesh& mesh, const GlovePose& g) {
   if (!g.visible || !g.forefinger_mm.allFinite() || !g.thumb_mm.allFinite() || !g.pointing.allFinite()) return;
   constexpr int32_t kNumber = 100;  // beyond the kinds of a tool
@@ -293,16 +343,10 @@ void add_glove(PropMesh& mesh, const GlovePose& g) {
   const auto ball = [&](const Vec3f& at, float r, const PropLook& look, int rings) {
     add_ellipsoid(mesh, at, r * Vec3f::UnitX(), r * Vec3f::UnitY(), r * Vec3f::UnitZ(), look, rings);
   };
-  // The last joints of each finger, thinner than they are so that they hide little. The thumb's station says where its
-  // tip is; it comes from where the hand is.
-  const Vec3f palm = 0.5f * (g.forefinger_mm + g.thumb_mm) - 30 * d;
-  for (const auto& [tip, back, thick] :
-       {std::tuple{g.forefinger_mm, Vec3f(-d), 2.0f}, {g.thumb_mm, direction(palm - g.thumb_mm, -d), 2.3f}}) {
-    const std::array<Vec3f, 3> path{tip + thick * back, tip + 8 * back, tip + 18 * back};
-    const std::array<float, 3> radius{thick, 1.15f * thick, 1.25f * thick};
-    add_tube(mesh, path, radius, finger, 12);
-  }
-  add_tube(mesh, std::array{g.forefinger_mm, g.thumb_mm}, std::array{0.6f, 0.6f}, sign, 6);
+  if (g.whole)
+    add_whole_hand(mesh, hand_joints(g), finger);
+  else
+    add_last_joints(mesh, g, d, finger, sign);
 
   const bool there = g.points && g.pointed_mm.allFinite();
   if (g.closed && !g.holds) return;

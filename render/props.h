@@ -48,8 +48,9 @@ void add_hook(PropMesh& mesh, const HookState& hook, const Vec3f& up);
 /// middle. `up`: outward unit normals there.
 void add_plate(PropMesh& mesh, const std::array<Vec3f, 3>& on_bone_mm, const std::array<Vec3f, 3>& up);
 void add_tool(PropMesh& mesh, const ToolPose& tool);
-/// Forefinger and thumb of a glove and the line between their tips, blue while open and orange while closed; dots from
-/// the forefinger to the place that it points at, with a ring there. Nothing where it is not visible.
+/// The hand of a glove (hand_shape.h), whole or only the last joints of forefinger and thumb with a line between their
+/// tips, blue while open and orange while closed; dots from the forefinger to the place that it points at, with a ring
+/// there. Nothing where it is not visible.
 void add_glove(PropMesh& mesh, const GlovePose& glove);
 
 }  // namespace limberg

@@ -60,6 +60,15 @@ Vec3f bend_of_plate(const RenderScene& scene, const Vec3f& a, const Vec3f& b, co
   return way(highest) + std::max(0.0f, place[size_t(highest)].height) * up;
 }
 
+/// A hand would hide a patient that is not larger than it is: there only its last joints are drawn.
+void add_gloves(RenderScene& scene, const ToolPose& tool) {
+  constexpr float kLarge_mm = 250;  // a hand is 190 mm long
+  for (GlovePose g : {tool.glove, tool.other_glove}) {
+    g.whole &= !scene.x_mm.empty() && (scene.bounds_max - scene.bounds_min).norm() >= kLarge_mm;
+    add_glove(scene.props, g);
+  }
+}
+
 }  // namespace
 
 const RenderScene& SceneBuilder::build(const Snapshot& snapshot, const ToolPose& tool, bool strands) {
@@ -70,7 +79,7 @@ const RenderScene& SceneBuilder::build(const Snapshot& snapshot, const ToolPose&
   if (!snapshot.topology || snapshot.x_mm.size() != snapshot.topology->view.X_mm.size()) {
     scene.mesh = std::make_shared<TissueMesh>();
     scene.x_mm.clear(), scene.normal.clear();
-    add_tool(scene.props, tool), add_glove(scene.props, tool.glove);
+    add_tool(scene.props, tool), add_gloves(scene, tool);
     return scene;
   }
   const SurfaceTopology& topology = *snapshot.topology;
@@ -113,7 +122,7 @@ const RenderScene& SceneBuilder::build(const Snapshot& snapshot, const ToolPose&
     for (const auto& [a, b] : topology.strand)
       add_tube(scene.props, std::array{snapshot.x_mm[size_t(a)], snapshot.x_mm[size_t(b)]}, std::array{0.22f, 0.22f},
                {Vec3f(0.80f, 0.58f, 0.13f), 0, 0}, 3);
-  add_tool(scene.props, tool), add_glove(scene.props, tool.glove);
+  add_tool(scene.props, tool), add_gloves(scene, tool);
   return scene;
 }
 

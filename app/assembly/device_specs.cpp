@@ -94,7 +94,7 @@ LiveSource force_simulated(const DeviceSpec& spec, int) {
   };
 }
 
-// Roles of a FASTRAK: a letter a station, f forefinger, t thumb, s stylus.
+// Roles of a FASTRAK: a letter a station, f forefinger, t thumb, F and T those of a second glove, s stylus.
 constexpr DeviceKind kKinds[] = {
     {.name = "emulated",
      .form = "emulated:SCRIPT",

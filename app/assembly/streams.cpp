@@ -178,6 +178,25 @@ KnownStream known_stream(const std::string& name, uint64_t seed) {
     k.truth = "closed 18 mm, open 85 mm";
     return k;
   }
+  if (name == "forefinger" || name == "thumb") {
+    PivotRehearsal r;
+    r.seed = seed, r.tip_mm = name == "thumb" ? Vec3(15, -2, -9) : Vec3(17, 2, -8);
+    const fastrak::Motion motion = finger_on_place(r, name == "thumb" ? 2 : 1);
+    k.samples = fastrak::readings_of(motion, 12, {}, device);
+    k.truth_csv = csv_of(motion, {1, 2}, 12);
+    k.truth = fmt::format("the {}'s tip ({:g}, {:g}, {:g}) mm in its sensor's frame", name, r.tip_mm.x(), r.tip_mm.y(),
+                          r.tip_mm.z());
+    return k;
+  }
+  if (name == "pointing") {
+    PointingRehearsal r;
+    r.seed = seed;
+    k.samples = fastrak::readings_of(pointing_at_place(r), 14, {}, device);
+    k.truth_csv = csv_of(pointing_at_place(r), {1, 2}, 14);
+    k.truth = fmt::format("the forefinger points along ({:.4f}, {:.4f}, {:.4f}) in its sensor's frame", r.direction.x(),
+                          r.direction.y(), r.direction.z());
+    return k;
+  }
   fastrak::LinkSettings stylus;
   stylus.role = fastrak::parse_roles("s");
   if (name == "pivot") {
@@ -223,7 +242,9 @@ KnownStream known_stream(const std::string& name, uint64_t seed) {
     return k;
   }
   throw InputError("", 0,
-                   "stream " + name + ": unknown; expected glove, cursor, tremor, force, pivot, touch, metal or open");
+                   "stream " + name +
+                       ": unknown; expected glove, cursor, tremor, force, pivot, touch, metal, open, "
+                       "forefinger, thumb or pointing");
 }
 
 void write_stream(const std::string& path, const std::vector<Sample>& samples, bool replace) {

@@ -6,6 +6,7 @@
 //   tremor   a stylus cuts a straight line of 60 mm with a strong tremor, a damaged line and gaps
 //   force    a force device in a hand presses and strokes (readings at 1 kHz)
 //   pivot, touch, open   what a user does to calibrate a stylus, the world, a glove
+//   forefinger, thumb   the tip held on a place while the hand turns; pointing: the forefinger points at one place
 //   metal    as touch, on a grid of points in a field that metal bends: for the correction of distortion
 #include <cstdint>
 #include <string>

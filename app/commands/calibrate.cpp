@@ -13,6 +13,7 @@
 #include "calibration/distortion.h"
 #include "calibration/glove_range.h"
 #include "calibration/pivot.h"
+#include "calibration/pointing.h"
 #include "calibration/points_file.h"
 #include "calibration/registration.h"
 #include "devices/glove.h"
@@ -25,7 +26,7 @@ namespace {
 
 struct CalibrateOptions {
   std::string what, log, out, from, points, device;
-  bool replace = false, distortion = false;
+  bool replace = false, distortion = false, other = false;
 };
 
 std::string today() {
@@ -90,6 +91,65 @@ int stylus(const CalibrateOptions& o, const Recording& rec, Calibration c) {
               r.tip_mm.z(), r.uncertainty_mm);
   if (!r.accepted) return refused(o, r.advice);
   c.tip_offset_mm = r.tip_mm;
+  return finish(o, c);
+}
+
+/// The poses of a finger's sensor in a log.
+std::vector<SensorPose> finger_poses(const CalibrateOptions& o, const Recording& rec, StationRole role,
+                                     const Calibration& c) {
+  std::vector<SensorPose> poses;
+  for (const Sample& s : rec.samples)
+    if (const auto* t = std::get_if<TrackerSample>(&s); t && t->role == role)
+      poses.push_back({t->pos_mm + c.distortion.at(t->pos_mm), rotation(as_stylus(*t))});
+  if (poses.empty())
+    throw InputError(o.log, 0,
+                     std::string("holds no reading of the ") + o.what +
+                         "; expected one recorded with stations of the roles f and t, of another glove F and T");
+  return poses;
+}
+
+GloveParameters& glove_of(const CalibrateOptions& o, Calibration& c) {
+  if (!o.other) return c.glove;
+  if (!c.other_glove) c.other_glove = c.glove;
+  return *c.other_glove;
+}
+StationRole role_of(const CalibrateOptions& o, bool thumb) {
+  if (thumb) return o.other ? StationRole::other_thumb : StationRole::thumb;
+  return o.other ? StationRole::other_forefinger : StationRole::forefinger;
+}
+
+int finger(const CalibrateOptions& o, const Recording& rec, Calibration c, bool thumb) {
+  PivotLimits limit;
+  limit.what = "hand", limit.where = "place";
+  const PivotResult r = calibrate_pivot(finger_poses(o, rec, role_of(o, thumb), c), 1, limit);
+  std::printf("%-11s %d poses, %d agree\n", thumb ? "thumb" : "forefinger", r.poses, r.agreeing);
+  line("residual (rms)", r.residual_mm, "mm", limit.residual_mm, true);
+  line("share of poses that agree", r.poses ? double(r.agreeing) / r.poses : 0, "", limit.inliers, false);
+  line("cone, full opening", r.cone_deg, "deg", limit.cone_deg, false);
+  line("weakest direction", r.weakest, "", limit.weakest, false);
+  line("first half against second", r.repeat_mm, "mm", limit.repeat_mm, true);
+  std::printf("  tip (%.3f, %.3f, %.3f) mm in the sensor's frame, +- %.3f mm\n", r.tip_mm.x(), r.tip_mm.y(),
+              r.tip_mm.z(), r.uncertainty_mm);
+  if (!r.accepted) return refused(o, r.advice);
+  (thumb ? glove_of(o, c).thumb_tip_mm : glove_of(o, c).forefinger_tip_mm) = r.tip_mm;
+  return finish(o, c);
+}
+int forefinger(const CalibrateOptions& o, const Recording& rec, Calibration c) { return finger(o, rec, c, false); }
+int thumb(const CalibrateOptions& o, const Recording& rec, Calibration c) { return finger(o, rec, c, true); }
+
+int pointing(const CalibrateOptions& o, const Recording& rec, Calibration c) {
+  const PointingLimits limit;
+  GloveParameters& g = glove_of(o, c);
+  const PointingResult r =
+      calibrate_pointing(finger_poses(o, rec, role_of(o, false), c), g.forefinger_tip_mm, g.pointing, limit);
+  std::printf("pointing    %d poses\n", r.poses);
+  line("forefinger beside the place (rms)", r.residual_deg, "deg", limit.residual_deg, true);
+  line("from how far around, full opening", r.cone_deg, "deg", limit.cone_deg, false);
+  line("direction known to", r.uncertainty_deg, "deg", limit.uncertainty_deg, true);
+  std::printf("  direction (%.4f, %.4f, %.4f) in the sensor's frame\n", r.direction.x(), r.direction.y(),
+              r.direction.z());
+  if (!r.accepted) return refused(o, r.advice);
+  g.pointing = r.direction;
   return finish(o, c);
 }
 
@@ -178,20 +238,26 @@ int world(const CalibrateOptions& o, const Recording& rec, Calibration c) {
 }
 
 int glove(const CalibrateOptions& o, const Recording& rec, Calibration c) {
-  GloveTracker tracker(c);
+  Calibration of_glove = c;
+  of_glove.glove = glove_of(o, c);
+  GloveTracker tracker(of_glove);
   constexpr int64_t kStepNs = 16'000'000;
   std::vector<double> aperture;
   int64_t next = 0, readings = 0;
   for (const Sample& s : rec.samples) {
     const auto* t = std::get_if<TrackerSample>(&s);
-    if (!t || (t->role != StationRole::forefinger && t->role != StationRole::thumb)) continue;
+    if (!t || (t->role != role_of(o, false) && t->role != role_of(o, true))) continue;
     ++readings;
     for (; next < t->t_ns; next += kStepNs)
       if (const HandPose h = tracker.at(next); h.valid) aperture.push_back(h.aperture_mm);
-    tracker.add(*t);
+    TrackerSample reading = *t;
+    reading.role = t->role == role_of(o, true) ? StationRole::thumb : StationRole::forefinger;
+    tracker.add(reading);
   }
   if (readings == 0)
-    throw InputError(o.log, 0, "holds no reading of a glove; expected one recorded with stations of the roles f and t");
+    throw InputError(o.log, 0,
+                     "holds no reading of a glove; expected one recorded with stations of the roles f and t, of "
+                     "another glove F and T");
   const GloveLimits limit;
   const GloveResult r = calibrate_glove(aperture, 1e9 / double(kStepNs), limit);
   std::printf("glove       closed %.1f mm, open %.1f mm\n", r.closed_mm, r.open_mm);
@@ -203,17 +269,20 @@ int glove(const CalibrateOptions& o, const Recording& rec, Calibration c) {
               r.closed_mm + limit.grab_share * (r.open_mm - r.closed_mm),
               r.closed_mm + limit.release_share * (r.open_mm - r.closed_mm));
   if (!r.accepted) return refused(o, r.advice);
-  c.glove.closed_mm = r.closed_mm, c.glove.open_mm = r.open_mm;
-  c.glove.grab_share = limit.grab_share, c.glove.release_share = limit.release_share;
+  GloveParameters& g = glove_of(o, c);
+  g.closed_mm = r.closed_mm, g.open_mm = r.open_mm;
+  g.grab_share = limit.grab_share, g.release_share = limit.release_share;
   return finish(o, c);
 }
 
 int calibrate(const CalibrateOptions& o) {
   const std::map<std::string, int (*)(const CalibrateOptions&, const Recording&, Calibration)> procedures{
-      {"stylus", stylus}, {"glove", glove}, {"world", world}};
+      {"stylus", stylus},         {"glove", glove}, {"world", world},
+      {"forefinger", forefinger}, {"thumb", thumb}, {"pointing", pointing}};
   const auto procedure = procedures.find(o.what);
   if (procedure == procedures.end())
-    throw InputError("", 0, "calibrate " + o.what + ": unknown; expected stylus, glove or world");
+    throw InputError("", 0,
+                     "calibrate " + o.what + ": unknown; expected stylus, glove, world, forefinger, thumb or pointing");
   if (std::error_code ec; std::filesystem::exists(o.out, ec) && !o.replace && o.out != o.from)
     throw InputError(o.out, 0, "exists already; expected the name of a new file, or --replace");
   const Calibration from = o.from.empty() ? Calibration{} : load_calibration(o.from);
@@ -229,9 +298,11 @@ void add_calibrate(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<CalibrateOptions>();
   CLI::App* c =
       app.add_subcommand("calibrate", "From a recorded stream to a calibration file, or to what was wrong with it");
-  c->add_option("WHAT", o->what,
-                "stylus: its tip, turned about in a dimple; world: where the tracker stands, from touched points; "
-                "glove: how far apart the fingers of the open and closed hand are")
+  c->add_option(
+       "WHAT", o->what,
+       "stylus: its tip, turned about in a dimple; world: where the tracker stands, from touched points; "
+       "glove: how far apart the fingers of the open and closed hand are; forefinger, thumb: its tip, held on a "
+       "place while the hand turns; pointing: which way the forefinger points, at one place from all sides")
       ->required();
   c->add_option("LOG", o->log, "The recorded stream")->required();
   c->add_option("--out", o->out, "The calibration file to write")->type_name("FILE")->required();
@@ -243,6 +314,7 @@ void add_calibrate(CLI::App& app, Chosen& chosen) {
       ->type_name("FILE");
   c->add_flag("--distortion", o->distortion, "world: also correct a field that metal bends (40 points or more)");
   c->add_option("--device", o->device, "A word on the device, kept in the file")->type_name("TEXT");
+  c->add_flag("--other-glove", o->other, "Of the glove on the other hand (stations of the roles F and T)");
   c->add_flag("--replace", o->replace, "Replace FILE if it exists");
   c->footer(
       "Example: limberg calibrate stylus pivot.lcm --out stylus.toml && limberg calibrate world touched.lcm --points "

@@ -54,7 +54,7 @@ struct Stream {
 };
 
 const char* role_name(StationRole r) {
-  constexpr const char* name[] = {"station", "stylus", "forefinger", "thumb"};
+  constexpr const char* name[] = {"station", "stylus", "forefinger", "thumb", "other forefinger", "other thumb"};
   return name[size_t(r)];
 }
 

@@ -26,7 +26,7 @@ struct EmulateOptions {
   std::string scene, script, out_log;
   uint64_t seed = 1;
   std::string stream;
-  bool replace = false, progressive = false, fastrak = false;
+  bool replace = false, progressive = false, fastrak = false, glove = false;
   double seconds = 0, damage = 0;
   CommonOptions common;
 };
@@ -88,10 +88,13 @@ int emulate(const EmulateOptions& o) {
   settings.seed = o.seed;
   const std::vector<std::string>* problems = nullptr;
   if (call.scene.head && !call.scene.flesh) {
-    auto surgeon = std::make_unique<EmulatedHeadSurgeon>(commands, settings);
+    auto surgeon = std::make_unique<EmulatedHeadSurgeon>(commands, settings,
+                                                         o.glove ? HeadHands::glove : HeadHands::stylus_and_glove);
     problems = &surgeon->problems();
     call.sources.push_back(std::move(surgeon));
   } else {
+    if (o.glove)
+      throw InputError(o.scene, 0, "emulate --glove: the scene has skin; expected a scene of a [head] without [body]");
     auto surgeon = std::make_unique<EmulatedSurgeon>(join_strokes(commands), settings);
     problems = &surgeon->problems();
     call.sources.push_back(std::move(surgeon));
@@ -125,9 +128,10 @@ void add_emulate(CLI::App& app, Chosen& chosen) {
       ->type_name("N")
       ->check(whole_from(0, 9'007'199'254'740'992));
   c->add_flag("--replace", o->replace, "Replace LOG if it exists");
-  c->add_option("--stream", o->stream,
-                "Instead: a stream of a hand whose truth is known: glove, cursor, tremor, force; or pivot, touch, open "
-                "for limberg calibrate")
+  c->add_option(
+       "--stream", o->stream,
+       "Instead: a stream of a hand whose truth is known: glove, cursor, tremor, force; or pivot, touch, open, "
+       "forefinger, thumb, pointing for limberg calibrate")
       ->type_name("NAME");
   c->add_flag("--fastrak", o->fastrak,
               "Instead: be a FASTRAK on a pseudo-terminal, whose path is printed, moved by a hand at work");
@@ -137,6 +141,7 @@ void add_emulate(CLI::App& app, Chosen& chosen) {
   c->add_option("--damage", o->damage, "--fastrak: share of bytes lost, changed or put in")
       ->type_name("P")
       ->check(number_from(0.0, 1.0));
+  c->add_flag("--glove", o->glove, "Of a head: the glove alone saws, by the surface cursor, and carries");
   c->add_flag("--progressive-cut", o->progressive, "Incisions open while they are drawn, as run does it");
   o->common.add_json(*c), o->common.add_workers(*c);
   c->footer("Example: limberg emulate rhomboid recordings/rhomboid.jsonl --out rhomboid.lcm --seed 7");

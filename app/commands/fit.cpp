@@ -51,7 +51,7 @@ struct FitOptions {
   std::string volume, tissue, mesh_file, start = "sphere", sweep_dir, report_dir, series, unit = "mm";
   std::vector<double> from;
   double iso = 0, offset = 0, edge_mm = 4, chord_mm = 0, seal_mm = -1, mouth_mm = -1, thin = -1, smooth = 0.6,
-         parts = 1;
+         parts = 1, metric_gain = 0;
   bool has_iso = false, has_edge = false, bridge_missing = false;
   CommonOptions common;
 };
@@ -94,7 +94,7 @@ struct ResultMeshFit {
   MaybeText volume, tissue;
   Maybe iso;
   MaybeText mesh, start;
-  Maybe seal_mm, mouth_mm, smooth_voxels, edge_mm, voxel_mm, cpu_s;
+  Maybe seal_mm, mouth_mm, smooth_voxels, edge_mm, metric_gain, voxel_mm, cpu_s;
   MaybeText unit, warning;
   Maybe hidden;
   int64_t vertices = 0, iterations = 0, vertex_iterations = 0;
@@ -109,7 +109,8 @@ struct ResultMeshFit {
 void fields(ResultMeshFit& x, auto&& f) {
   f("scan", x.scan), f("points", x.points), f("volume", x.volume), f("tissue", x.tissue), f("iso", x.iso);
   f("mesh", x.mesh), f("start", x.start), f("seal_mm", x.seal_mm), f("mouth_mm", x.mouth_mm);
-  f("smooth_voxels", x.smooth_voxels), f("edge_mm", x.edge_mm), f("voxel_mm", x.voxel_mm), f("cpu_s", x.cpu_s);
+  f("smooth_voxels", x.smooth_voxels), f("edge_mm", x.edge_mm), f("metric_gain", x.metric_gain),
+      f("voxel_mm", x.voxel_mm), f("cpu_s", x.cpu_s);
   f("unit", x.unit), f("warning", x.warning), f("hidden", x.hidden), f("vertices", x.vertices);
   f("iterations", x.iterations), f("vertex_iterations", x.vertex_iterations), f("found", x.found);
   f("rms_mm", x.rms_mm), f("p95_mm", x.p95_mm), f("max_mm", x.max_mm), f("reached", x.reached);
@@ -264,7 +265,7 @@ int run_scan(const FitOptions& o) {
   Progress progress("fit");
   FitSettings s;
   s.edge_mm = o.has_edge ? o.edge_mm : std::max(1e-3, std::min(o.edge_mm, (high - low).norm() / kScanEdges));
-  s.chord_mm = o.chord_mm, s.range_mm = std::max(1e-3, 0.25 * (high - low).maxCoeff()),
+  s.chord_mm = o.chord_mm, s.metric_gain = o.metric_gain, s.range_mm = std::max(1e-3, 0.25 * (high - low).maxCoeff()),
   s.progress = shown(progress, s.stages);
   const double start_ms = bench::cpu_ms();
   simplex::Mesh m;
@@ -322,7 +323,8 @@ int run_scan(const FitOptions& o) {
   Result result("fit", "");
   ResultMeshFit out = result_of(r);
   out.scan = o.volume, out.points = scan.x_mm.size(), out.mesh = o.mesh_file, out.start = o.start, out.cpu_s = cpu_s;
-  out.edge_mm = s.edge_mm, out.voxel_mm = r.voxel_mm, out.unit = o.unit, out.warning = doubt, out.hidden = hidden;
+  out.edge_mm = s.edge_mm, out.metric_gain = s.metric_gain, out.voxel_mm = r.voxel_mm, out.unit = o.unit,
+  out.warning = doubt, out.hidden = hidden;
   out.missed = unless_empty(faults);
   out.state_hash = hex(simplex::hash(m));
   result.set_ok(faults.empty());
@@ -367,7 +369,8 @@ int run_fit(const FitOptions& o) {
     throw InputError(o.volume, 0, e.what());
   }
   FitSettings s;
-  s.iso = q.iso, s.edge_mm = o.edge_mm, s.chord_mm = o.chord_mm, s.skull = o.tissue == "bone";
+  s.iso = q.iso, s.edge_mm = o.edge_mm, s.chord_mm = o.chord_mm, s.metric_gain = o.metric_gain,
+  s.skull = o.tissue == "bone";
   s.range_mm = 0.25 * (p.high_mm - p.low_mm).maxCoeff();
   s.progress = shown(progress, s.stages);
   simplex::Mesh m = start_mesh(start_of(o.start), p.low_mm, p.high_mm);
@@ -396,7 +399,7 @@ int run_fit(const FitOptions& o) {
   out.notes.insert(out.notes.begin(), loaded.notes.begin(), loaded.notes.end());
   out.volume = o.volume, out.tissue = o.tissue, out.iso = s.iso, out.mesh = o.mesh_file, out.start = o.start;
   out.seal_mm = q.seal_mm, out.mouth_mm = p.mouth_mm, out.smooth_voxels = q.sigma_voxels, out.voxel_mm = p.voxel_mm;
-  out.cpu_s = cpu_s;
+  out.cpu_s = cpu_s, out.metric_gain = s.metric_gain;
   out.end_contours = c.end_contours, out.genus = c.genus;
   out.missed = unless_empty(faults);
   out.state_hash = hex(simplex::hash(m));
@@ -466,6 +469,9 @@ void add_fit(CLI::App& app, Chosen& chosen) {
   c->add_option("--chord-mm", o->chord_mm,
                 "Shorter edges where it is curved: allowed distance of an edge from the surface [0: even]")
       ->check(number_from(0., 10.));
+  c->add_option("--metric-gain", o->metric_gain,
+                "Vertices gather where it is curved: 0 none, 0.05 useful, more no better than shorter edges [0]")
+      ->check(number_from(0., 0.5));
   c->add_option("--start", o->start,
                 "What the mesh is at first: sphere around the object, plane before it (a volume: the -y side; a scan: "
                 "the side it is seen from), or cylinder through the borders, about z (a scan: about the longest side "

@@ -99,7 +99,7 @@ struct Film::Impl {
   std::unique_ptr<PictureMaker> maker;
   Encoder encoder;
   std::string title;
-  SecondHand glove;
+  SecondHand glove, other_glove;
   int frames = 0;
   bool broken = false, closed = false;
 };
@@ -146,13 +146,15 @@ void Film::prepare(const SurfaceTopology&) {
   impl_->maker->set_camera(impl_->camera);
 }
 
-void Film::second_hand(const SecondHand& hand) { impl_->glove = hand; }
+void Film::second_hand(const SecondHand& hand, const SecondHand& other) {
+  impl_->glove = hand, impl_->other_glove = other;
+}
 
 void Film::frame(const Snapshot& snapshot, const ToolState& tool) {
   Impl& i = *impl_;
   if (i.broken || !i.maker) return;
   PictureOptions o;
-  o.tool = tool_pose(tool, i.glove);
+  o.tool = tool_pose(tool, i.glove, i.other_glove);
   o.title = i.title;
   const Image image = i.maker->skin(snapshot, o);
   if (!i.encoder.write(image.rgb.data(), image.rgb.size()))

@@ -22,7 +22,7 @@ class Film final : public PictureSink {
   ~Film() override;  // a film that was not finished is taken away; what had the name before stays
 
   void prepare(const SurfaceTopology& first) override;  // RenderUnavailable when nothing can be drawn
-  void second_hand(const SecondHand& hand) override;
+  void second_hand(const SecondHand& hand, const SecondHand& other) override;
   void frame(const Snapshot& snapshot, const ToolState& tool) override;
   void stage(const std::string& name, const Snapshot& snapshot) override;  // its name is the title from now on
   bool wants_frame() override { return true; }

@@ -34,7 +34,23 @@ Camera scene_camera(const Scene& scene) {
   return c;
 }
 
-ToolPose tool_pose(const ToolState& t, const SecondHand& g) {
+namespace {
+
+GlovePose glove_pose(const SecondHand& g) {
+  GlovePose hand;
+  hand.visible = g.valid != 0, hand.closed = g.closed != 0, hand.points = g.points != 0;
+  hand.holds = g.held_hook != 0 || g.carried.holds != 0;
+  for (int i = 0; i < 3; ++i) {
+    hand.forefinger_mm[i] = float(g.forefinger_mm[i]), hand.thumb_mm[i] = float(g.thumb_mm[i]);
+    hand.pointing[i] = float(g.pointing[i]), hand.pointed_mm[i] = float(g.pointed_mm[i]);
+    hand.thumbwards[i] = float(g.thumbwards[i]);
+  }
+  return hand;
+}
+
+}  // namespace
+
+ToolPose tool_pose(const ToolState& t, const SecondHand& glove, const SecondHand& other) {
   ToolPose p;
   p.visible = t.valid != 0;
   switch (Tool(t.tool)) {
@@ -53,13 +69,11 @@ ToolPose tool_pose(const ToolState& t, const SecondHand& g) {
       break;
   }
   for (int i = 0; i < 3; ++i) p.tip_mm[i] = float(t.tip_mm[i]), p.shaft[i] = float(t.shaft[i]);
-  GlovePose& hand = p.glove;
-  hand.visible = g.valid != 0, hand.closed = g.closed != 0, hand.points = g.points != 0;
-  hand.holds = g.held_hook != 0 || g.carried.holds != 0;
-  for (int i = 0; i < 3; ++i) {
-    hand.forefinger_mm[i] = float(g.forefinger_mm[i]), hand.thumb_mm[i] = float(g.thumb_mm[i]);
-    hand.pointing[i] = float(g.pointing[i]), hand.pointed_mm[i] = float(g.pointed_mm[i]);
-  }
+  p.glove = glove_pose(glove), p.other_glove = glove_pose(other);
+  // A hand that pushes the cursor has the tool there: it need not be seen whole, and hides what it works on.
+  for (GlovePose* hand : {&p.glove, &p.other_glove})
+    hand->whole &= !(p.visible && hand->points && hand->pointed_mm == p.tip_mm);
+  p.other_glove.left = true;
   return p;
 }
 
@@ -67,11 +81,11 @@ struct OffscreenFrames::Impl {
   Camera camera;
   int width, height;
   std::unique_ptr<PictureMaker> maker;
-  SecondHand glove;
+  SecondHand glove, other;
 };
 
 OffscreenFrames::OffscreenFrames(const Scene& scene, int width, int height)
-    : impl_(new Impl{scene_camera(scene), width, height, nullptr, {}}) {}
+    : impl_(new Impl{scene_camera(scene), width, height, nullptr, {}, {}}) {}
 OffscreenFrames::~OffscreenFrames() = default;
 
 void OffscreenFrames::prepare(const SurfaceTopology&) {
@@ -84,12 +98,14 @@ void OffscreenFrames::prepare(const SurfaceTopology&) {
   }
 }
 
-void OffscreenFrames::second_hand(const SecondHand& hand) { impl_->glove = hand; }
+void OffscreenFrames::second_hand(const SecondHand& hand, const SecondHand& other) {
+  impl_->glove = hand, impl_->other = other;
+}
 
 void OffscreenFrames::frame(const Snapshot& snapshot, const ToolState& tool) {
   if (!impl_->maker) return;
   PictureOptions o;
-  o.tool = tool_pose(tool, impl_->glove);
+  o.tool = tool_pose(tool, impl_->glove, impl_->other);
   impl_->maker->skin(snapshot, o);
 }
 

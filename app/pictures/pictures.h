@@ -14,7 +14,7 @@ namespace limberg {
 
 /// Where a scene's camera stands, and what the hands are and hold, as pictures know them.
 Camera scene_camera(const Scene& scene);
-ToolPose tool_pose(const ToolState& tool, const SecondHand& glove = {});
+ToolPose tool_pose(const ToolState& tool, const SecondHand& glove = {}, const SecondHand& other = {});
 
 /// Draws frames off screen and throws them away: what a session without a window costs is then what one with a window
 /// costs. Where no context can be made it says so once and draws nothing.
@@ -23,7 +23,7 @@ class OffscreenFrames final : public PictureSink {
   OffscreenFrames(const Scene& scene, int width, int height);
   ~OffscreenFrames() override;
   void prepare(const SurfaceTopology& first) override;
-  void second_hand(const SecondHand& hand) override;
+  void second_hand(const SecondHand& hand, const SecondHand& other) override;
   void frame(const Snapshot& snapshot, const ToolState& tool) override;
   void stage(const std::string&, const Snapshot&) override {}
   void finish() override;

@@ -35,7 +35,7 @@ namespace limberg {
 /// Where the hand is, and when its newest reading was taken.
 struct HandState {
   ToolState tool;
-  SecondHand glove;
+  SecondHand glove, other_glove;
   int64_t sample_ns = -1;  // session time of the newest sample that went into it; -1 before any
 };
 

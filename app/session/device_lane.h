@@ -19,7 +19,7 @@ class DeviceLane final : private EventSink, private SampleSink {
     ch_.patient_to_device.update();
     const Snapshot& s = ch_.patient_to_device.reading().snapshot;
     front_.tick(tick, s, *this, *this, hand_.tool);
-    hand_.glove = front_.second_hand();
+    hand_.glove = front_.second_hand(0), hand_.other_glove = front_.second_hand(1);
     hand_.sample_ns = front_.last_sample_ns();
     ch_.hand_to_solver.writing() = hand_, ch_.hand_to_solver.publish();
     ch_.hand_to_render.writing() = hand_, ch_.hand_to_render.publish();

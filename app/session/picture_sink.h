@@ -18,8 +18,8 @@ class PictureSink {
  public:
   virtual ~PictureSink() = default;
   virtual void prepare(const SurfaceTopology& first) { (void)first; }
-  /// The glove's hand, before each frame; without a glove it is not valid.
-  virtual void second_hand(const SecondHand& hand) { (void)hand; }
+  /// The gloves' hands, before each frame; without a glove they are not valid.
+  virtual void second_hand(const SecondHand& hand, const SecondHand& other) { (void)hand, (void)other; }
   /// One frame of the running session.
   virtual void frame(const Snapshot& snapshot, const ToolState& tool) = 0;
   /// A named stage of the operation was passed: the picture that goes into the report.

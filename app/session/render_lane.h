@@ -45,7 +45,7 @@ class RenderLane {
       ch_.want_field.store(sink_->wants_field(), std::memory_order_relaxed);
       if (frames_ && (sink_->wants_frame() || (new_patient && patient_changed(s)) || (new_hand && hand_changed()))) {
         if (sink_->wants_lattice()) sink_->lattice(ch_.patient_to_render.reading().lattice);
-        sink_->second_hand(ch_.hand_to_render.reading().glove);
+        sink_->second_hand(ch_.hand_to_render.reading().glove, ch_.hand_to_render.reading().other_glove);
         sink_->frame(s, ch_.hand_to_render.reading().tool);
         drawn = true;
         ++frames_drawn_;
@@ -64,10 +64,11 @@ class RenderLane {
   bool hand_changed() const {
     const ToolState& t = ch_.hand_to_render.reading().tool;
     return visibly_moved(t.tip_mm, shown_tool_.tip_mm) || t.tool != shown_tool_.tool ||
-           t.pressed != shown_tool_.pressed || t.valid != shown_tool_.valid || glove_changed();
+           t.pressed != shown_tool_.pressed || t.valid != shown_tool_.valid ||
+           glove_changed(ch_.hand_to_render.reading().glove, shown_glove_) ||
+           glove_changed(ch_.hand_to_render.reading().other_glove, shown_other_);
   }
-  bool glove_changed() const {
-    const SecondHand &g = ch_.hand_to_render.reading().glove, &old = shown_glove_;
+  static bool glove_changed(const SecondHand& g, const SecondHand& old) {
     if (g.valid != old.valid) return true;
     if (!g.valid) return false;
     constexpr double kRay_mm = 60;  // as long is a ray that meets nothing
@@ -82,6 +83,7 @@ class RenderLane {
   }
   void remember(const Snapshot& s) {
     shown_tool_ = ch_.hand_to_render.reading().tool, shown_glove_ = ch_.hand_to_render.reading().glove;
+    shown_other_ = ch_.hand_to_render.reading().other_glove;
     shown_version_ = s.topology_version;
     shown_hooks_ = s.hooks.size(), shown_sutures_ = s.sutures.size();
     shown_x_ = s.x_mm;
@@ -95,7 +97,7 @@ class RenderLane {
   uint64_t frames_drawn_ = 0;
   // What the last frame showed.
   ToolState shown_tool_;
-  SecondHand shown_glove_;
+  SecondHand shown_glove_, shown_other_;
   uint64_t shown_version_ = 0;
   size_t shown_hooks_ = 0, shown_sutures_ = 0;
   std::vector<Vec3f> shown_x_;

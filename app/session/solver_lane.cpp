@@ -141,7 +141,7 @@ void SolverLane::take(const ToolEvent& e, int64_t tick) {
   if (e.seq > next_event_) event_gaps_ += e.seq - next_event_;
   next_event_ = e.seq + 1;
   std::optional<Command> c = builder_.feed(e);
-  const size_t hand = e.hand == 1 ? 1 : 0;
+  const size_t hand = size_t(std::clamp(e.hand, 0, kHands - 1));
   if (e.kind == ToolEvent::hook_set || e.kind == ToolEvent::hook_take || e.kind == ToolEvent::bone_grab)
     held_since_[hand] = e.tick;
   // What was not taken up (the grab was refused) is neither carried nor let go.
@@ -168,11 +168,11 @@ void SolverLane::take(const ToolEvent& e, int64_t tick) {
   switch (e.kind) {
     case ToolEvent::hook_set:
     case ToolEvent::hook_take:
-      (e.hand == 1 ? glove_hook_ : held_hook_) = e.id;
+      held_hook_[hand] = e.id;
       break;
     case ToolEvent::hook_leave:
     case ToolEvent::hook_release:
-      (e.hand == 1 ? glove_hook_ : held_hook_) = 0;
+      held_hook_[hand] = 0;
       break;
     case ToolEvent::bone_grab:
       carried_[hand] = done ? e.id : 0;
@@ -190,10 +190,10 @@ void SolverLane::take(const Command& c, int64_t tick) {
   const auto* of_head = std::get_if<HeadCommand>(&c);
   const auto* grab = of_head ? std::get_if<GrabFragment>(of_head) : nullptr;
   const auto* let_go = of_head ? std::get_if<LetGo>(of_head) : nullptr;
-  if (let_go && carried_[let_go->hand] == 0) return;
+  if (let_go && carried_[size_t(let_go->hand)] == 0) return;
   const bool done = apply(c, tick);
-  if (grab) carried_[grab->hand] = done ? kByCommand : 0;
-  if (let_go) carried_[let_go->hand] = 0;
+  if (grab) carried_[size_t(grab->hand)] = done ? kByCommand : 0;
+  if (let_go) carried_[size_t(let_go->hand)] = 0;
 }
 
 void SolverLane::refuse(const Command& c, const std::string& reason, int64_t tick) {
@@ -260,16 +260,17 @@ void SolverLane::notify(int32_t kind, const Command& c, const std::string& text,
 
 void SolverLane::follow_hand() {
   // The hand state may be a moment older or newer than the events: a hook follows only when both say that it is held.
-  if (held_hook_ != 0 && hand_.tool.held_hook == held_hook_ && hand_.tool.valid)
-    patient_.apply(MoveHook{held_hook_, vec(hand_.tool.tip_mm), 0});
-  if (glove_hook_ != 0 && hand_.glove.held_hook == glove_hook_ && hand_.glove.valid)
-    patient_.apply(MoveHook{glove_hook_, vec(hand_.glove.hook_mm), 0});
-  const auto carry = [&](int hand, bool valid, const Carried& c) {
+  const auto follow = [&](size_t hand, bool valid, int32_t hook, const Vec3& hook_mm, const Carried& c) {
+    if (held_hook_[hand] != 0 && hook == held_hook_[hand] && valid)
+      patient_.apply(MoveHook{held_hook_[hand], hook_mm, 0});
     if (carried_[hand] != 0 && c.holds == carried_[hand] && valid)
-      patient_.apply(HeadCommand(DragFragment{as_move(motion_of(c)), 0, hand}));
+      patient_.apply(HeadCommand(DragFragment{as_move(motion_of(c)), 0, int(hand)}));
   };
-  carry(0, hand_.tool.valid, hand_.tool.carried);
-  carry(1, hand_.glove.valid, hand_.glove.carried);
+  follow(0, hand_.tool.valid, hand_.tool.held_hook, vec(hand_.tool.tip_mm), hand_.tool.carried);
+  for (size_t hand = 1; const SecondHand* g : {&hand_.glove, &hand_.other_glove}) {
+    follow(hand, g->valid, g->held_hook, vec(g->hook_mm), g->carried);
+    ++hand;
+  }
 }
 
 // The device thread finds what it searches on, and makes nothing.
@@ -316,11 +317,12 @@ uint64_t SolverLane::state_hash() const {
   for (const double v : hand_.tool.shaft) h.add(v);
   h.add(hand_.tool.tool), h.add(hand_.tool.held_hook), h.add(hand_.tool.pressed), h.add(hand_.tool.valid);
   h.add(hand_.tool.tick);
-  if (hand_.glove.valid || hand_.glove.held_hook != 0) {
-    for (const double v : hand_.glove.hook_mm) h.add(v);
-    h.add(hand_.glove.held_hook), h.add(hand_.glove.closed);
+  for (const SecondHand* g : {&hand_.glove, &hand_.other_glove}) {
+    if (!g->valid && g->held_hook == 0) continue;
+    for (const double v : g->hook_mm) h.add(v);
+    h.add(g->held_hook), h.add(g->closed);
   }
-  for (const Carried* c : {&hand_.tool.carried, &hand_.glove.carried}) {
+  for (const Carried* c : {&hand_.tool.carried, &hand_.glove.carried, &hand_.other_glove.carried}) {
     if (c->holds == 0) continue;
     for (const double v : c->quat) h.add(v);
     for (const double v : c->shift_mm) h.add(v);

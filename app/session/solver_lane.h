@@ -4,6 +4,7 @@
 //
 // Every command that was carried out is appended to the session's own script, flushed line by line, so that a session
 // leaves an operation that can be carried out again at any resolution.
+#include <array>
 #include <functional>
 #include <string>
 #include <vector>
@@ -111,12 +112,12 @@ class SolverLane {
   CommandBuilder builder_;
   HandState hand_;
   bool hand_known_ = false;
-  Snapshot now_;           // of the moment, when it is asked for
-  std::string a_moved_;    // of a stitch that is begun
-  int32_t held_hook_ = 0;  // by the stylus
-  int32_t glove_hook_ = 0;
-  int32_t carried_[2] = {0, 0};  // by stylus and glove: the grab whose fragment they hold, 0 none
-  int64_t held_since_[2] = {0, 0};
+  Snapshot now_;         // of the moment, when it is asked for
+  std::string a_moved_;  // of a stitch that is begun
+  // By hand: the stylus', the first glove's, the other one's.
+  std::array<int32_t, kHands> held_hook_{};  // 0 none
+  std::array<int32_t, kHands> carried_{};    // the grab whose fragment it holds, 0 none
+  std::array<int64_t, kHands> held_since_{};
   int64_t next_event_ = 0, event_gaps_ = 0;
   bool new_sample_ = false;
   int64_t shown_sample_ns_ = -1;

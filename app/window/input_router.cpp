@@ -4,7 +4,8 @@ namespace limberg {
 
 namespace {
 constexpr float kLiftPerNotch_mm = 1.5f;
-}
+constexpr double kHandGains[] = {1, 0.5, 0.25, 2};
+}  // namespace
 
 void InputRouter::take(const WindowEvent& event) {
   feed_.seen.update();
@@ -120,7 +121,14 @@ void InputRouter::key(const DeskKey& k, const WindowEvent& e) {
     return;
   }
   if (!e.down) return;
-  if (k.hand == HandKey::tool) {
+  if (k.hand == HandKey::glove) {
+    glove_cursor_ = !glove_cursor_;
+    control(ControlSample::glove, glove_cursor_ ? kGlovePushesCursor : kGlovePoints);
+  } else if (k.hand == HandKey::gain) {
+    const bool back = e.mods & WindowEvent::shift;
+    gain_ = back ? 0 : (gain_ + 1) % std::size(kHandGains);
+    control(ControlSample::hand_gain, back ? 0 : kHandGains[gain_]);
+  } else if (k.hand == HandKey::tool) {
     const Tool tool = tool_of_key(e.code)->tool;
     if (tool == choice_.tool) return;
     choice_.tool = tool;

@@ -58,7 +58,8 @@ class InputRouter {
   uint64_t number_ = 0, asked_ = 0;  // of the last event; of the last one that panels may answer
   float x_ = 0, y_ = 0;
   bool of_panel_[3]{};  // the button went down on a panel
-  bool pressed_ = false, clutch_ = false, next_wanted_ = false;
+  bool pressed_ = false, clutch_ = false, next_wanted_ = false, glove_cursor_ = false;
+  size_t gain_ = 0;  // of the glove's hand, in kHandGains
   float lift_mm_ = 0;
   HandChoice choice_;
   std::vector<std::shared_ptr<const Command>> told_;  // kept until the session has ended (CommandSample)

@@ -111,7 +111,7 @@ struct WindowFrames::Impl {
   bool buttons[3]{};
   bool turning = false, shifting = false;
   uint64_t taken = 0;  // number of the last event
-  SecondHand glove;
+  SecondHand glove, other_glove;
   int unseen = 2;  // frames still to be drawn after the last event: panels need two to settle
   int since_frame = 0;
   SkinFields fields;
@@ -386,7 +386,7 @@ struct WindowFrames::Impl {
 
   /// What is to be seen: the patient, or the skull beside the one of another moment.
   const RenderScene& build_scene(const Snapshot& s, const ToolState& tool) {
-    ToolPose held = tool_pose(tool, glove);
+    ToolPose held = tool_pose(tool, glove, other_glove);
     if (!set.facts.own_device && desk.state.tool == Tool::none && !feed.showing)
       held.visible = false;  // a mouse that looks around holds nothing
     const RenderScene& patient = builder.build(s, held);
@@ -530,7 +530,9 @@ void WindowFrames::prepare(const SurfaceTopology&) {
   i.ui = std::make_unique<UiPainter>(i.renderer->functions());
 }
 
-void WindowFrames::second_hand(const SecondHand& hand) { impl_->glove = hand; }
+void WindowFrames::second_hand(const SecondHand& hand, const SecondHand& other) {
+  impl_->glove = hand, impl_->other_glove = other;
+}
 
 void WindowFrames::frame(const Snapshot& snapshot, const ToolState& tool) {
   if (impl_->renderer) impl_->frame(snapshot, tool, screen_);

@@ -32,7 +32,7 @@ class WindowFrames final : public PictureSink {
   ~WindowFrames() override;
 
   void prepare(const SurfaceTopology& first) override;
-  void second_hand(const SecondHand& hand) override;
+  void second_hand(const SecondHand& hand, const SecondHand& other) override;
   void frame(const Snapshot& snapshot, const ToolState& tool) override;
   void stage(const std::string&, const Snapshot&) override {}
   void notice(const Notice& notice) override;

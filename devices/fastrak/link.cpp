@@ -19,7 +19,7 @@ constexpr int64_t kMostHush = 2000;   // ms: a line that never falls quiet is as
 std::array<StationRole, kStations> parse_roles(const std::string& letters) {
   std::array<StationRole, kStations> role{};
   bool any = letters.size() <= role.size();
-  int seen[4] = {};
+  int seen[6] = {};
   for (size_t i = 0; i < letters.size() && i < role.size(); ++i) {
     switch (letters[i]) {
       case 'f':
@@ -27,6 +27,12 @@ std::array<StationRole, kStations> parse_roles(const std::string& letters) {
         break;
       case 't':
         role[i] = StationRole::thumb;
+        break;
+      case 'F':
+        role[i] = StationRole::other_forefinger;
+        break;
+      case 'T':
+        role[i] = StationRole::other_thumb;
         break;
       case 's':
         role[i] = StationRole::stylus;
@@ -38,11 +44,11 @@ std::array<StationRole, kStations> parse_roles(const std::string& letters) {
     }
     if (role[i] != StationRole::none && ++seen[int(role[i])] > 1) any = false;
   }
-  if (!any || seen[1] + seen[2] + seen[3] == 0 || seen[2] != seen[3])
+  if (!any || seen[1] + seen[2] + seen[3] == 0 || seen[2] != seen[3] || seen[4] != seen[5])
     throw InputError("", 0,
                      "stations \"" + letters +
                          "\" are not usable; expected one letter a station: f forefinger and t thumb (both or "
-                         "neither), s stylus, - none, as in ft, s or fts");
+                         "neither), F and T those of a second glove, s stylus, - none, as in ft, s, fts or ftFT");
   return role;
 }
 

@@ -36,7 +36,8 @@ struct LinkSettings {
   int64_t quiet_ms = 150, answer_ms = 1000, reinitialise_ms = 10'500, watchdog_ms = 1500, tell_ms = 40;
 };
 
-/// "ft", "s", "fts", "-s": the role of each station, f forefinger, t thumb, s stylus, - none. InputError on others.
+/// "ft", "s", "fts", "-s", "ftFT": the role of each station, f forefinger, t thumb, F and T those of a second glove, s
+/// stylus, - none. InputError on others.
 std::array<StationRole, kStations> parse_roles(const std::string& letters);
 
 /// Times of readings that are taken at a steady period and arrive late by varying amounts.

@@ -48,6 +48,8 @@ struct MoveFragment {
   RigidMove by;
   double seconds = 2;
 };
+/// Hands that may hold a fragment each: that of the stylus, and two gloves.
+inline constexpr int kHands = 3;
 struct GrabFragment {
   FragmentPick fragment;
   int hand = 0;
@@ -66,6 +68,7 @@ struct PlateFragments {
 };
 struct JoinFragments {
   FragmentPick a, b;
+  double smooth_mm = 0;  // of the seam, to both sides
 };
 struct Unplate {
   FragmentPick fragment;

@@ -18,7 +18,8 @@ void moved(auto& v, auto& m) {
 inline std::string turns_too_far(const RigidMove& m) {
   return m.rotation_deg.norm() > 360 ? "\"rotation_deg\" turns by more than 360 degrees; expected less" : "";
 }
-inline constexpr Field kHand = Field::number("hand", 0, 1, "for two hands that hold a fragment each", Stands::if_other);
+inline constexpr Field kHand =
+    Field::number("hand", 0, kHands - 1, "for hands that hold a fragment each", Stands::if_other);
 inline constexpr const char* kGrounds[] = {"bone", "face"};
 
 }  // namespace row
@@ -176,6 +177,11 @@ struct Act<JoinFragments> {
   static void fields(auto& v, auto& c) {
     v(Field::given("a", "one of them"), c.a);
     v(Field::given("b", "the other"), c.b);
+    v(Field::number("smooth_mm", 0, 60,
+                    "the seam is smoothed so far to both sides, the volume kept; 0: it stays as it is",
+                    Stands::if_other)
+          .usually(0, 20),
+      c.smooth_mm);
   }
   static std::string words(const JoinFragments&) { return "two fragments joined"; }
   static Deed deed(const JoinFragments&) { return {"", "Two fragments joined", " pairs of fragments joined"}; }

@@ -43,10 +43,10 @@ TEST(Histogram, SmallAndExtremeValues) {
 }
 
 struct Hands final : PictureSink {
-  void second_hand(const SecondHand& hand) override { glove = hand; }
+  void second_hand(const SecondHand& hand, const SecondHand& second) override { glove = hand, other = second; }
   void frame(const Snapshot&, const ToolState&) override { ++frames; }
   void stage(const std::string&, const Snapshot&) override {}
-  SecondHand glove;
+  SecondHand glove, other;
   int frames = 0;
 };
 
@@ -74,6 +74,9 @@ TEST(RenderLane, DrawsAgainWhenTheGloveHasMoved) {
   EXPECT_EQ(drawn(), 0) << "cannot be seen";
   hand.glove.thumb_mm[2] += 0.1;
   EXPECT_EQ(drawn(), 1);
+  hand.other_glove.valid = 1, hand.other_glove.thumb_mm[0] = 3;
+  EXPECT_EQ(drawn(), 1);
+  EXPECT_EQ(sink.other.thumb_mm[0], 3);
   hand.glove.pointed_mm[2] += 5;
   EXPECT_EQ(drawn(), 0) << "it points at nothing";
   hand.glove.points = 1;

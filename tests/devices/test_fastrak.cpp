@@ -145,7 +145,9 @@ TEST(FastrakProtocol, WhatTheChecksLetThroughIsKnown) {
 TEST(FastrakProtocol, StationsRolesAndSpecs) {
   EXPECT_EQ(parse_roles("fts")[2], StationRole::stylus);
   EXPECT_EQ(parse_roles("-s")[0], StationRole::none);
-  for (const char* bad : {"", "f", "ff", "x", "-", "ftsss", "ftft"}) EXPECT_THROW(parse_roles(bad), InputError) << bad;
+  EXPECT_EQ(parse_roles("ftFT")[3], StationRole::other_thumb);
+  for (const char* bad : {"", "f", "ff", "x", "-", "ftsss", "ftft", "ftF"})
+    EXPECT_THROW(parse_roles(bad), InputError) << bad;
   const SourceSettings s = parse_source("/dev/x,s,ascii,9600");
   EXPECT_EQ(s.path, "/dev/x");
   EXPECT_FALSE(s.link.binary);

@@ -186,7 +186,7 @@ TEST(Pick, ControlsAreRecordedAndReadBack) {
     EXPECT_EQ(back.value, c.value);
   }
   ControlSample back;
-  EXPECT_NE(to_sample(to_message(control(OldControls::kLast + 1, "", {})), back, true), nullptr);
+  EXPECT_NE(to_sample(to_message(control(ControlSample::kLastKind + 1, "", {})), back, true), nullptr);
 }
 
 }  // namespace test_pick

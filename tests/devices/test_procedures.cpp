@@ -6,6 +6,7 @@
 #include "calibration/distortion.h"
 #include "calibration/glove_range.h"
 #include "calibration/pivot.h"
+#include "calibration/pointing.h"
 #include "calibration/registration.h"
 #include "devices/fastrak/virtual_line.h"
 #include "devices/glove.h"
@@ -92,6 +93,79 @@ TEST(Pivot, BadDataIsRefusedWithAdvice) {
   const PivotResult got = calibrate_pivot(rocked);
   EXPECT_FALSE(got.accepted);
   EXPECT_NE(got.advice.find("not determined"), std::string::npos) << got.advice;
+}
+
+std::vector<SensorPose> finger_poses(const fastrak::Motion& motion, int station, double seconds, uint64_t seed,
+                                     double noise_mm = kNoiseMm, double noise_rad = kNoiseRad) {
+  fastrak::EmulatorSettings device;
+  device.seed = seed * 31 + 1;
+  device.noise_mm = noise_mm, device.noise_rad = noise_rad;
+  std::vector<SensorPose> poses;
+  for (const Sample& s : fastrak::readings_of(motion, seconds, {}, device))
+    if (const auto* t = std::get_if<TrackerSample>(&s); t && t->station == station)
+      poses.push_back({t->pos_mm, Eigen::Quaterniond(t->quat[0], t->quat[1], t->quat[2], t->quat[3])});
+  return poses;
+}
+
+// A finger's station has every second reading; its tip is near, so that the sensor's place is all the noise there is:
+// three axes of 0.44 mm are 0.76 mm.
+TEST(Pivot, AFingersTipIsFoundAndTooSmallATurnIsRefused) {
+  PivotLimits limit;
+  limit.what = "hand", limit.where = "place";
+  for (const int station : {1, 2}) {
+    double worst = 0;
+    for (uint64_t seed = 1; seed <= 10; ++seed) {
+      PivotRehearsal r;
+      r.seed = seed, r.tip_mm = station == 1 ? Vec3(17, 2, -8) : Vec3(15, -2, -9);
+      const PivotResult got =
+          calibrate_pivot(finger_poses(finger_on_place(r, station), station, 12, seed), seed, limit);
+      EXPECT_TRUE(got.accepted) << got.advice;
+      EXPECT_NEAR(got.residual_mm, 0.76, 0.08);
+      worst = std::max(worst, (got.tip_mm - r.tip_mm).norm());
+      EXPECT_LT((got.tip_mm - r.tip_mm).norm(), 4 * got.uncertainty_mm);
+    }
+    EXPECT_LT(worst, 0.3) << station;
+  }
+  PivotRehearsal narrow;
+  narrow.tip_mm = {17, 2, -8}, narrow.cone_deg = 15;
+  const PivotResult got = calibrate_pivot(finger_poses(finger_on_place(narrow, 1), 1, 12, 3), 3, limit);
+  EXPECT_FALSE(got.accepted);
+  EXPECT_NE(got.advice.find("tilt the hand to all sides"), std::string::npos) << got.advice;
+}
+
+double off_deg(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI; }
+
+TEST(Pointing, TheForefingersDirectionIsFoundFromOnePlaceThatItPointsAt) {
+  double worst = 0;
+  for (uint64_t seed = 1; seed <= 10; ++seed) {
+    PointingRehearsal r;
+    r.seed = seed;
+    const PointingResult got = calibrate_pointing(finger_poses(pointing_at_place(r), 1, 14, seed), r.tip_mm);
+    EXPECT_TRUE(got.accepted) << got.advice;
+    EXPECT_NEAR(got.cone_deg, 60, 6);
+    EXPECT_LT((got.place_mm - r.place_mm).norm(), 3);
+    worst = std::max(worst, off_deg(got.direction, r.direction));
+  }
+  EXPECT_LT(worst, 0.5);
+  PointingRehearsal exact;
+  exact.aim_deg = 0;
+  const PointingResult got = calibrate_pointing(finger_poses(pointing_at_place(exact), 1, 14, 1, 0, 0), exact.tip_mm);
+  EXPECT_LT(off_deg(got.direction, exact.direction), 1e-3);  // float32 on the line
+  EXPECT_LT((got.place_mm - exact.place_mm).norm(), 1e-2);
+}
+
+TEST(Pointing, AHandThatStaysOnOneSideOrPointsElsewhereIsRefused) {
+  const auto advice = [](const PointingRehearsal& r, double seconds) {
+    const PointingResult got = calibrate_pointing(finger_poses(pointing_at_place(r), 1, seconds, 2), r.tip_mm);
+    EXPECT_FALSE(got.accepted);
+    return got.advice;
+  };
+  PointingRehearsal narrow, wild;
+  narrow.cone_deg = 20, wild.aim_deg = 8;
+  EXPECT_NE(advice(PointingRehearsal{}, 3).find("for longer"), std::string::npos);
+  EXPECT_NE(advice(narrow, 14).find("to all sides"), std::string::npos);
+  EXPECT_NE(advice(wild, 14).find("one and the same place"), std::string::npos);
+  EXPECT_FALSE(calibrate_pointing({}, Vec3::Zero()).accepted);
 }
 
 TEST(Registration, ExactAndHeldOut) {

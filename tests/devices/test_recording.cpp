@@ -179,7 +179,7 @@ TEST(Recording, NumbersThatCannotBeAreRefused) {
     return to_sample(to_message(s), out) != nullptr;
   };
   EXPECT_FALSE(wrong_control([](ControlSample&) {}));
-  EXPECT_TRUE(wrong_control([](ControlSample& s) { s.kind = OldControls::kLast + 1; }));
+  EXPECT_TRUE(wrong_control([](ControlSample& s) { s.kind = ControlSample::kLastKind + 1; }));
   EXPECT_TRUE(wrong_control([](ControlSample& s) { s.tool = Tool(-1); }));
   EXPECT_TRUE(wrong_control([](ControlSample& s) { s.value[1] = -INFINITY; }));
   EXPECT_TRUE(wrong_control([](ControlSample& s) { s.text.c[0] = '\n'; }));

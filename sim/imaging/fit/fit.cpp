@@ -111,6 +111,7 @@ class Fitter {
     law.external_stiffness = 2;  // along the normal, and at rims towards the border of the data
     const double edge = mean_edge(m_);
     law.max_step_mm = std::min(0.25 * s_.range_mm, 0.5 * edge);
+    law.metric_gain = s_.metric_gain;
     if (const Admission a = motion_.set_law(law); !a) throw InputError("", 0, a.refused);
     int still = 0;
     double move = 0;

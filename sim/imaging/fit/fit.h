@@ -36,11 +36,12 @@ namespace limberg {
 enum class Start { sphere, plane, cylinder };
 
 struct FitSettings {
-  double iso = 0;        // in the numbers of the volume; inside is above
-  double range_mm = 30;  // how far a vertex may be pulled in one look
-  double edge_mm = 4;    // wanted edges at the end
-  double chord_mm = 0;   // > 0: shorter edges where the surface is curved (adapt.h)
-  int stages = 8;        // of `iterations` each
+  double iso = 0;          // in the numbers of the volume; inside is above
+  double range_mm = 30;    // how far a vertex may be pulled in one look
+  double edge_mm = 4;      // wanted edges at the end
+  double chord_mm = 0;     // > 0: shorter edges where the surface is curved (adapt.h)
+  double metric_gain = 0;  // vertices gather where it is curved (Law::metric_gain): 0 none, 0.05 useful
+  int stages = 8;          // of `iterations` each
   int iterations = 50;
   double still_mm = 0.01;  // a stage ends when nothing moves farther, ten times in a row
   bool open_ends = true;

@@ -169,7 +169,7 @@ std::string Bones::cut_mesh(const Osteotomy& what, simplex::Delta& delta) {
 }
 
 ActedOnBone Bones::cut(const Osteotomy& asked) {
-  if (held_ >= 0) return refused(kHeld);
+  if (hold_) return refused(kHeld);
   BoneChange change;
   change.kind = BoneChange::Kind::cut, change.what = asked, change.before = now_;
   if (asked.fragment >= 0 && index(asked.fragment) < 0) return refused(no_fragment(asked.fragment));
@@ -184,11 +184,15 @@ ActedOnBone Bones::cut(const Osteotomy& asked) {
   return finish(std::move(change));
 }
 
-std::string Bones::join_mesh(int32_t a, int32_t b, simplex::Delta& delta) {
+std::string Bones::join_mesh(BoneChange& join) {
+  const int32_t a = join.a, b = join.b;
+  std::vector<int32_t> seam;
   const int32_t ia = index(a), ib = index(b);
   const Fragment fa = now_.fragments[size_t(ia)], fb = now_.fragments[size_t(ib)];
-  if (std::string bad = join_bones(mesh_, fa.vertex, fb.vertex, fa.pose.inverse() * fb.pose, delta); !bad.empty())
+  if (std::string bad = join_bones(mesh_, fa.vertex, fb.vertex, fa.pose.inverse() * fb.pose, join.delta, seam);
+      !bad.empty())
     return bad;
+  join.seam = smooth_seam(mesh_, seam, join.smooth_mm, *workers_, join.delta);
   ++version_;
   now_.fragments[size_t(ia)].vertex = std::min(fa.vertex, fb.vertex);
   now_.fragments.erase(now_.fragments.begin() + ib);
@@ -214,8 +218,8 @@ std::string Bones::join_mesh(int32_t a, int32_t b, simplex::Delta& delta) {
   return "";
 }
 
-ActedOnBone Bones::join(int32_t a, int32_t b) {
-  if (held_ >= 0) return refused(kHeld);
+ActedOnBone Bones::join(int32_t a, int32_t b, double smooth_mm) {
+  if (hold_) return refused(kHeld);
   for (int32_t id : {a, b})
     if (index(id) < 0) return refused(no_fragment(id));
   if (a == b) return refused("two different fragments were expected");
@@ -223,9 +227,15 @@ ActedOnBone Bones::join(int32_t a, int32_t b) {
   if (fa && fb) return refused("both bones are fixed");
   if (fb || (!fa && b < a)) std::swap(a, b);
   BoneChange change;
-  change.kind = BoneChange::Kind::join, change.a = a, change.b = b, change.before = now_;
-  if (std::string bad = all_of([&] { return join_mesh(a, b, change.delta); }); !bad.empty()) return refused(bad);
-  return finish(std::move(change));
+  change.kind = BoneChange::Kind::join, change.a = a, change.b = b, change.smooth_mm = smooth_mm;
+  change.before = now_;
+  if (std::string bad = all_of([&] { return join_mesh(change); }); !bad.empty()) return refused(bad);
+  const SeamReport s = change.seam;
+  return finish(std::move(change), s.vertices > 0
+                                       ? text("the seam is smoothed: %d places moved, by %.2f mm at most; the bone's "
+                                              "volume kept to %.1g of it",
+                                              int(s.vertices), s.farthest_mm, std::abs(s.volume_change))
+                                       : std::string());
 }
 
 std::vector<int32_t> Bones::plated(int32_t id) const {
@@ -241,7 +251,7 @@ std::vector<int32_t> Bones::plated(int32_t id) const {
 }
 
 ActedOnBone Bones::move(int32_t id, const Eigen::Isometry3d& pose) {
-  if (held_ >= 0) return refused(kHeld);
+  if (hold_) return refused(kHeld);
   if (index(id) < 0) return refused(no_fragment(id));
   if (!rigid(pose)) return refused("a pose is a rotation and a finite translation");
   const std::vector<int32_t> group = plated(id);
@@ -259,7 +269,7 @@ ActedOnBone Bones::move(int32_t id, const Eigen::Isometry3d& pose) {
 }
 
 ActedOnBone Bones::plate(const Vec3& a, const Vec3& b) {
-  if (held_ >= 0) return refused(kHeld);
+  if (hold_) return refused(kHeld);
   if (!a.allFinite() || !b.allFinite()) return refused("an end of the plate is not at a finite place");
   Plate p;
   p.a = nearest_fragment(a, &p.a_mm), p.b = nearest_fragment(b, &p.b_mm);
@@ -275,7 +285,7 @@ ActedOnBone Bones::plate(const Vec3& a, const Vec3& b) {
 }
 
 ActedOnBone Bones::unplate(int32_t id) {
-  if (held_ >= 0) return refused(kHeld);
+  if (hold_) return refused(kHeld);
   if (index(id) < 0) return refused(no_fragment(id));
   BoneChange change;
   change.before = now_;
@@ -285,7 +295,7 @@ ActedOnBone Bones::unplate(int32_t id) {
 }
 
 Outcome Bones::take_back(BoneChange& change) {
-  if (held_ >= 0) return refused(kHeld);
+  if (hold_) return refused(kHeld);
   if (change.kind == BoneChange::Kind::state) {
     now_ = change.before;
     return {true, ""};
@@ -303,17 +313,16 @@ Outcome Bones::take_back(BoneChange& change) {
 }
 
 Outcome Bones::make_again(BoneChange& change) {
-  if (held_ >= 0) return refused(kHeld);
+  if (hold_) return refused(kHeld);
   // The mesh is to the bit what it was when this was done first, so it can be done again and cannot fail.
   if (change.kind == BoneChange::Kind::state) {
     now_ = change.after;
     return {true, ""};
   }
-  simplex::Delta delta;
-  all_of([&] {
-    return change.kind == BoneChange::Kind::cut ? cut_mesh(change.what, delta) : join_mesh(change.a, change.b, delta);
-  });
-  change.delta = std::move(delta);
+  BoneChange again;
+  again.a = change.a, again.b = change.b, again.smooth_mm = change.smooth_mm;
+  all_of([&] { return change.kind == BoneChange::Kind::cut ? cut_mesh(change.what, again.delta) : join_mesh(again); });
+  change.delta = std::move(again.delta);
   return {true, ""};
 }
 

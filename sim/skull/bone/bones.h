@@ -6,8 +6,9 @@
 // the same pose. Pieces keep zones, flags and kept contours.
 //
 // Physics: from grab to release the fragments are rigid bodies of a Bullet world (rigid_world.h), which is built at the
-// grab from the poses and thrown away at the release. So what happens depends on the poses and the drags alone, never
-// on what was done before; and where nothing is held there is no Bullet world.
+// grab from the poses and thrown away at the release (and made anew when a second hand grabs or lets go). So what
+// happens depends on the poses and the drags alone, never on what was done before; and where nothing is held there is
+// no Bullet world.
 //
 // Every act returns what takes it back (BoneChange), for the patient's history (patient/history.h): the mesh to the bit
 // (simplex::Delta; again by doing it again), fragments, poses and plates from copies.
@@ -19,6 +20,7 @@
 #include "sim/base/workers.h"
 #include "sim/commands/acted.h"
 #include "sim/skull/bone/osteotomy.h"
+#include "sim/skull/bone/seam.h"
 #include "sim/skull/simplex/edit.h"
 #include "sim/skull/simplex/mesh.h"
 
@@ -91,6 +93,8 @@ struct BoneChange {
   enum class Kind { cut, join, state } kind = Kind::state;
   Osteotomy what;          // cut: the fragment is named
   int32_t a = -1, b = -1;  // join
+  double smooth_mm = 0;
+  SeamReport seam;
   simplex::Delta delta;
   BonesState before, after;
 };
@@ -119,7 +123,8 @@ class Bones {
   ActedOnBone cut(const Osteotomy& what);
   /// Makes one bone of two where they are now (T3 between the cut surfaces that face each other); a fixed one keeps its
   /// place, else the one with the smaller number does, and the other one's rest is set anew. Its number goes.
-  ActedOnBone join(int32_t a, int32_t b);
+  /// smooth_mm: the seam is smoothed in a band of that reach (seam.h); 0: not.
+  ActedOnBone join(int32_t a, int32_t b, double smooth_mm = 0);
   /// Six numbers; contact is not asked. What is plated to it moves along.
   ActedOnBone move(int32_t id, const Eigen::Isometry3d& pose);
   /// A plate between two fragments (places at rest): from now on they move as one.
@@ -133,6 +138,7 @@ class Bones {
   /// would be bent.
   ActedOnBone sort();
 
+  /// One in each hand may be held at a time. Refused: it moves with one that is held.
   Outcome grab(int32_t id);
   void drag(int32_t id, const Eigen::Isometry3d& wanted_pose);
   /// Leaves it where it is. snap: when within kSnap_mm (of its centre) and
@@ -142,7 +148,7 @@ class Bones {
   void step(double dt_s);
   bool physics() const { return hold_ != nullptr; }
   RigidFigures physics_figures() const;
-  int32_t held() const { return held_; }  // -1: nothing
+  bool holds(int32_t id) const;  // that fragment; -1: any
   static constexpr double kSnap_mm = 3, kSnap_deg = 10;
 
   /// Refused while a fragment is held.
@@ -157,7 +163,7 @@ class Bones {
  private:
   int32_t index(int32_t id) const;
   std::string cut_mesh(const Osteotomy& what, simplex::Delta& delta);
-  std::string join_mesh(int32_t a, int32_t b, simplex::Delta& delta);
+  std::string join_mesh(BoneChange& join);
   void recount();  // components after the mesh changed
   /// What the act answers. Whatever it throws, mesh and fragments are as they were.
   template <class Act>
@@ -173,9 +179,9 @@ class Bones {
   std::vector<int32_t> id_of_component_;
   mutable std::vector<std::unique_ptr<FragmentShape>> shapes_;
   struct Held;
+  /// A Bullet world of how things lie, with these in hands.
+  std::unique_ptr<Held> make_hold(const std::vector<int32_t>& in_hand) const;
   std::unique_ptr<Held> hold_;  // while something is held
-  BonesState before_grab_;
-  int32_t held_ = -1;
   Workers* workers_ = nullptr;
 };
 

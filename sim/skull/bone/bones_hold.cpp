@@ -28,58 +28,85 @@ const FragmentShape& Bones::shape(int32_t id) const {
   return *shapes_.back();
 }
 
+bool Bones::holds(int32_t id) const {
+  return hold_ && (id < 0 || std::any_of(hold_->in_hand.begin(), hold_->in_hand.end(),
+                                         [&](const Held::InHand& h) { return h.id == id; }));
+}
+
 Outcome Bones::grab(int32_t id) {
-  if (held_ >= 0) return refused("fragment " + std::to_string(held_) + " is held already");
   if (const std::string why = why_no_physics(); !why.empty()) return refused(why);
   const Fragment* f = fragment(id);
   if (!f) return refused(no_fragment(id));
-  for (int32_t i : plated(id))
-    if (const Fragment& g = now_.fragments[size_t(i)]; g.fixed)
-      return refused(g.id == id ? g.name + " is fixed" : "it is plated to " + g.name + ", which is fixed");
-  std::vector<std::vector<int32_t>> ids;
-  std::vector<std::vector<Eigen::Isometry3d>> offset;
+  for (int32_t i : plated(id)) {
+    const Fragment& g = now_.fragments[size_t(i)];
+    if (holds(g.id))
+      return refused(g.id == id ? "fragment " + std::to_string(id) + " is held already"
+                                : "it is plated to " + g.name + ", which is held already");
+    if (g.fixed) return refused(g.id == id ? g.name + " is fixed" : "it is plated to " + g.name + ", which is fixed");
+  }
+  std::vector<int32_t> all;
+  if (hold_)
+    for (const Held::InHand& h : hold_->in_hand) all.push_back(h.id);
+  all.push_back(id);
+  auto hold = make_hold(all);
+  hold->before = hold_ ? std::move(hold_->before) : now_;
+  hold_ = std::move(hold);
+  return {true, ""};
+}
+
+std::unique_ptr<Bones::Held> Bones::make_hold(const std::vector<int32_t>& in_hand) const {
+  auto hold = std::make_unique<Held>();
   std::vector<RigidPart> parts;
-  size_t part = 0;
   std::vector<uint8_t> seen(now_.fragments.size(), 0);
+  std::vector<size_t> part_of(in_hand.size(), 0);
   for (size_t i = 0; i < now_.fragments.size(); ++i) {
     if (seen[i]) continue;
     const Fragment& first = now_.fragments[i];
     RigidPart p;
     p.pose = first.pose, p.mass_g = 0;
-    ids.emplace_back(), offset.emplace_back();
+    hold->ids.emplace_back(), hold->offset.emplace_back();
     double volume = 0;
     for (int32_t k : plated(first.id)) {
       const Fragment& g = now_.fragments[size_t(k)];
       seen[size_t(k)] = 1;
-      if (g.id == id) part = parts.size();
+      for (size_t h = 0; h < in_hand.size(); ++h)
+        if (g.id == in_hand[h]) part_of[h] = parts.size();
       FragmentShape& s = const_cast<FragmentShape&>(shape(g.id));
       if (s.prisms.empty()) s.prisms = prisms_of(mesh_, s);
-      ids.back().push_back(g.id);
-      offset.back().push_back(first.id == g.id ? Eigen::Isometry3d::Identity()
-                                               : Eigen::Isometry3d(first.pose.inverse() * g.pose));
-      p.prisms.push_back(&s.prisms), p.offset.push_back(offset.back().back());
-      p.centre_mm += g.volume_mm3 * (offset.back().back() * g.centre_mm), volume += g.volume_mm3;
+      hold->ids.back().push_back(g.id);
+      hold->offset.back().push_back(first.id == g.id ? Eigen::Isometry3d::Identity()
+                                                     : Eigen::Isometry3d(first.pose.inverse() * g.pose));
+      p.prisms.push_back(&s.prisms), p.offset.push_back(hold->offset.back().back());
+      p.centre_mm += g.volume_mm3 * (hold->offset.back().back() * g.centre_mm), volume += g.volume_mm3;
       p.mass_g += kBone_g_per_mm3 * g.volume_mm3, p.fixed |= g.fixed;
     }
     p.centre_mm /= volume;
     parts.push_back(std::move(p));
   }
-  auto hold = std::unique_ptr<Held>(new Held{std::move(ids), std::move(offset), part, make_rigid_world(parts, part)});
-  before_grab_ = now_;
-  hold_ = std::move(hold);
-  held_ = id;
-  return {true, ""};
+  hold->world = make_rigid_world(parts, part_of);
+  for (size_t h = 0; h < in_hand.size(); ++h) {
+    hold->in_hand.push_back({in_hand[h], part_of[h], parts[part_of[h]].pose});
+    // The other hand goes on wanting what it wanted.
+    if (!hold_) continue;
+    for (const Held::InHand& k : hold_->in_hand)
+      if (k.id == in_hand[h]) hold->in_hand.back().wanted = k.wanted, hold->world->want(part_of[h], k.wanted);
+  }
+  return hold;
 }
 
 void Bones::drag(int32_t id, const Eigen::Isometry3d& wanted) {
-  if (id != held_ || held_ < 0 || !wanted.matrix().allFinite()) return;
-  const auto& ids = hold_->ids[hold_->part];
-  const size_t k = size_t(std::find(ids.begin(), ids.end(), id) - ids.begin());
-  hold_->world->want(wanted * hold_->offset[hold_->part][k].inverse());
+  if (!hold_ || !wanted.matrix().allFinite()) return;
+  for (Held::InHand& h : hold_->in_hand) {
+    if (h.id != id) continue;
+    const auto& ids = hold_->ids[h.part];
+    const size_t k = size_t(std::find(ids.begin(), ids.end(), id) - ids.begin());
+    h.wanted = wanted * hold_->offset[h.part][k].inverse();
+    hold_->world->want(h.part, h.wanted);
+  }
 }
 
 void Bones::step(double dt) {
-  if (held_ < 0) return;
+  if (!hold_) return;
   hold_->world->step(dt);
   for (size_t p = 0; p < hold_->ids.size(); ++p)
     for (size_t k = 0; k < hold_->ids[p].size(); ++k) {
@@ -89,7 +116,7 @@ void Bones::step(double dt) {
 }
 
 ActedOnBone Bones::release(int32_t id, bool snap) {
-  if (held_ < 0 || id != held_) return refused("fragment " + std::to_string(id) + " is not held");
+  if (id < 0 || !holds(id)) return refused("fragment " + std::to_string(id) + " is not held");
   std::string words;
   BonesState then = now_;
   if (snap) {
@@ -122,11 +149,29 @@ ActedOnBone Bones::release(int32_t id, bool snap) {
   }
   // A release is an act even where everything lies as before: the hand has done something.
   BoneChange change;
-  now_ = std::move(then);
-  hold_.reset();
-  held_ = -1;
-  change.before = std::move(before_grab_);
-  return finish(std::move(change), std::move(words));
+  if (hold_->in_hand.size() == 1) {
+    change.before = std::move(hold_->before);
+    now_ = std::move(then);
+    hold_.reset();
+    return finish(std::move(change), std::move(words));
+  }
+  // The other hand goes on: as far as the history is concerned only this fragment, and what is plated to it, has moved.
+  std::vector<int32_t> others;
+  for (const Held::InHand& h : hold_->in_hand)
+    if (h.id != id) others.push_back(h.id);
+  change.before = hold_->before, change.after = hold_->before;
+  for (const int32_t i : plated(id)) change.after.fragments[size_t(i)].pose = then.fragments[size_t(i)].pose;
+  BonesState left = change.after;
+  std::swap(now_, then);
+  try {
+    auto hold = make_hold(others);
+    hold->before = std::move(left);
+    hold_ = std::move(hold);
+  } catch (...) {
+    std::swap(now_, then);
+    throw;
+  }
+  return {{true, std::move(words)}, std::move(change)};
 }
 
 RigidFigures Bones::physics_figures() const { return hold_ ? hold_->world->figures() : RigidFigures{}; }

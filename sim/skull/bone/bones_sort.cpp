@@ -53,7 +53,7 @@ std::string alone_words(const std::vector<Fragment>& fragments, const Sorting& f
 }  // namespace
 
 ActedOnBone Bones::sort() {
-  if (held_ >= 0) return refused(kHeld);
+  if (hold_) return refused(kHeld);
   const Sorting found = sort_fragments(pieces_of(*this));  // its pieces in the order of the fragments
   BonesState to = now_;
   std::string words;

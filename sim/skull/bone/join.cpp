@@ -130,7 +130,8 @@ std::string join_mouths(Mesh& m, int32_t x, int32_t y, simplex::Delta& d) {
 
 }  // namespace
 
-std::string join_bones(Mesh& m, int32_t a, int32_t b, const Eigen::Isometry3d& b_in_a, simplex::Delta& delta) {
+std::string join_bones(Mesh& m, int32_t a, int32_t b, const Eigen::Isometry3d& b_in_a, simplex::Delta& delta,
+                       std::vector<int32_t>& seam) {
   const std::vector<uint8_t> in_a = component_of(m, a), in_b = component_of(m, b);
   simplex::Delta d;
   Edit e(m, d);
@@ -177,8 +178,17 @@ std::string join_bones(Mesh& m, int32_t a, int32_t b, const Eigen::Isometry3d& b
       if (far_off < least) least = far_off, best = j;
     }
     taken[best] = 1;
+    // Joined spoke to spoke the rings go, and their neighbours meet.
+    for (const int32_t mouth : {f, y[best]})
+      for (const int32_t v : m.ring(mouth)) {
+        seam.push_back(v);
+        for (const int32_t w : m.nbr[size_t(v)]) seam.push_back(w);
+      }
     if (std::string bad = join_mouths(m, f, y[best], d); !bad.empty()) return refuse(bad);
   }
+  std::sort(seam.begin(), seam.end());
+  seam.erase(std::unique(seam.begin(), seam.end()), seam.end());
+  std::erase_if(seam, [&](int32_t v) { return !m.alive(v); });
   delta.append(std::move(d));
   return "";
 }

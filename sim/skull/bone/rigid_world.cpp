@@ -8,7 +8,7 @@ namespace limberg::bone {
 
 namespace {
 
-using MakeRigidWorld = RigidWorld* (*)(const std::vector<RigidPart>& parts, size_t held);
+using MakeRigidWorld = RigidWorld* (*)(const std::vector<RigidPart>& parts, const std::vector<size_t>& held);
 
 LoadedPart bullet() { return load_part("bullet", "limberg_rigid_world", "Bullet (Debian: libbullet-dev)"); }
 
@@ -19,7 +19,7 @@ std::string why_no_physics() {
   return part.entry ? "" : "bone cannot be held without Bullet: " + part.why;
 }
 
-std::unique_ptr<RigidWorld> make_rigid_world(const std::vector<RigidPart>& parts, size_t held) {
+std::unique_ptr<RigidWorld> make_rigid_world(const std::vector<RigidPart>& parts, const std::vector<size_t>& held) {
   const LoadedPart part = bullet();
   if (!part.entry) throw std::runtime_error(why_no_physics());
   return std::unique_ptr<RigidWorld>(reinterpret_cast<MakeRigidWorld>(part.entry)(parts, held));

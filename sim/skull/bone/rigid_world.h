@@ -1,15 +1,16 @@
 #pragma once
-// The Bullet world of the fragments while one of them is held. No Bullet header is included here, and no Bullet is
-// loaded before the first world is made: it is a part of its own (base/part.h, bullet/bullet_world.cpp).
+// The Bullet world of the fragments while one of them is held, or one in each hand. No Bullet header is included here,
+// and no Bullet is loaded before the first world is made: it is a part of its own (base/part.h,
+// bullet/bullet_world.cpp).
 //
 // A fragment is a compound of convex pieces: under every face of its surface a prism, from
 // kInset_mm under the surface to at most kThick_mm (never more than 45 % of the bone's thickness
 // there). So thin curved shells stay hollow, and a fragment rests in its own gap without
 // touching: two surfaces touch when they overlap by 2 kInset_mm, about the kerf of a saw.
 //
-// step() goes in so many substeps that no place of the held body moves further than kStride_mm in one
+// step() goes in so many substeps that no place of a held body moves further than kStride_mm in one
 // of them, which is less than the prisms are thick: nothing tunnels, at any speed. In each substep
-// the held body gets the velocity that takes it to where the hand wants it; contact takes back what
+// a held body gets the velocity that takes it to where its hand wants it; contact takes back what
 // would lead into other bone. Fragments that are not held are pushed aside, and stop at once (no
 // inertia worth the name, no gravity). One solver, fixed order, no threads: same calls, same bits.
 //
@@ -41,7 +42,7 @@ class RigidWorld {
   static constexpr int kMostSubsteps = 64;
 
   virtual ~RigidWorld() = default;
-  virtual void want(const Eigen::Isometry3d& pose) = 0;
+  virtual void want(size_t part, const Eigen::Isometry3d& pose) = 0;  // of a held one
   virtual void step(double dt_s) = 0;
   virtual Eigen::Isometry3d pose(size_t part) const = 0;
   virtual RigidFigures figures() const = 0;
@@ -50,7 +51,7 @@ class RigidWorld {
 /// Why no fragment can be held here: what is missing and what was expected. Empty: they can.
 std::string why_no_physics();
 
-/// `held` is an index into parts. Throws std::runtime_error with why_no_physics().
-std::unique_ptr<RigidWorld> make_rigid_world(const std::vector<RigidPart>& parts, size_t held);
+/// `held`: indices into parts, at least one. Throws std::runtime_error with why_no_physics().
+std::unique_ptr<RigidWorld> make_rigid_world(const std::vector<RigidPart>& parts, const std::vector<size_t>& held);
 
 }  // namespace limberg::bone

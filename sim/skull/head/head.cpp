@@ -132,27 +132,28 @@ ActedOnHead Head::act(const GrabFragment& g) {
   std::string reason;
   const int32_t id = find(g.fragment, reason);
   if (id < 0) return refuse(reason);
+  if (grabbed_[size_t(g.hand)].fragment >= 0)
+    return refuse("fragment " + std::to_string(grabbed_[size_t(g.hand)].fragment) + " is held already by this hand");
   Outcome done = bones_.grab(id);
   if (!done.done) return done;
-  grabbed_at_ = bones_.fragment(id)->pose;
-  grabbed_centre_ = centre_now(id);
-  held_by_ = g.hand;
+  grabbed_[size_t(g.hand)] = {id, bones_.fragment(id)->pose, centre_now(id)};
   return done;
 }
 
 ActedOnHead Head::act(const DragFragment& d) {
-  if (bones_.held() < 0 || held_by_ != d.hand) return refuse("nothing is held by this hand; expected a grab before it");
-  bones_.drag(bones_.held(), isometry(d.to, grabbed_centre_) * grabbed_at_);
+  const Grabbed& g = grabbed_[size_t(d.hand)];
+  if (g.fragment < 0) return refuse("nothing is held by this hand; expected a grab before it");
+  bones_.drag(g.fragment, isometry(d.to, g.centre_mm) * g.at);
   return {true, {}};
 }
 
 ActedOnHead Head::act(const LetGo& l) {
-  if (bones_.held() < 0 || held_by_ != l.hand) return refuse("nothing is held by this hand; expected a grab before it");
+  const int32_t id = grabbed_[size_t(l.hand)].fragment;
+  if (id < 0) return refuse("nothing is held by this hand; expected a grab before it");
   HeadChange change = before(false);
-  const int32_t id = bones_.held();
   bone::ActedOnBone released = bones_.release(id, l.snap);
   if (!released.done) return Outcome(released);
-  held_by_ = -1, change.bones = std::move(released.change);
+  grabbed_[size_t(l.hand)] = {}, change.bones = std::move(released.change);
   return finish(change, [&] {
     const std::string beside = lies(bones_, id);
     return released.reason + (released.reason.empty() || beside.empty() ? "" : "; ") + beside;
@@ -198,7 +199,7 @@ ActedOnHead Head::act(const JoinFragments& j) {
     for (int32_t v = 0; v < bones_.mesh().slots(); ++v) of[k][size_t(v)] = bones_.fragment_of(v) == (k == 0 ? a : b);
   }
   const Eigen::Isometry3d pose_a = bones_.fragment(a)->pose, pose_b = bones_.fragment(b)->pose;
-  bone::ActedOnBone joined = bones_.join(a, b);
+  bone::ActedOnBone joined = bones_.join(a, b, j.smooth_mm);
   if (!joined.done) return Outcome(joined);
   change.bones = std::move(joined.change);
   return finish(change, [&] {
@@ -257,7 +258,7 @@ Outcome Head::connect(const ConnectTissue& t) {
 }
 
 ActedOnHead Head::act(const ConnectTissue& t) {
-  if (bones_.held() >= 0) return refuse(bone::kHeld);
+  if (bones_.holds(-1)) return refuse(bone::kHeld);
   HeadChange change = before(true);
   Outcome o{true, {}};
   ActedOnHead made = finish(change, [&]() -> std::string {
@@ -397,7 +398,7 @@ void Head::place_bones() {
 }
 
 HeadStep Head::step(double dt_s) {
-  if (bones_.physics() || bones_.held() >= 0) bones_.step(dt_s);
+  if (bones_.physics()) bones_.step(dt_s);
   place_bones();
   HeadStep out;
   if (has_face_) {
@@ -405,7 +406,7 @@ HeadStep Head::step(double dt_s) {
     out.max_move_mm = report.max_move_mm;
     out.at_rest = report.at_rest;
   }
-  if (bones_.held() >= 0) out.at_rest = false;
+  if (bones_.holds(-1)) out.at_rest = false;
   ++steps_;
   return last_ = out;
 }
@@ -491,7 +492,7 @@ HeadChange Head::before(bool with_face) const {
 }
 
 Outcome Head::take_back(HeadChange& change) {
-  if (bones_.held() >= 0) return refuse(bone::kHeld);
+  if (bones_.holds(-1)) return refuse(bone::kHeld);
   if (change.bones)
     if (Outcome o = bones_.take_back(*change.bones); !o.done) return o;
   try {
@@ -505,7 +506,7 @@ Outcome Head::take_back(HeadChange& change) {
 }
 
 Outcome Head::make_again(HeadChange& change) {
-  if (bones_.held() >= 0) return refuse(bone::kHeld);
+  if (bones_.holds(-1)) return refuse(bone::kHeld);
   if (change.bones)
     if (Outcome o = bones_.make_again(*change.bones); !o.done) return o;
   try {

@@ -12,6 +12,7 @@
 // Osteotomies, moves, plates, joins, tissue and landmarks give what takes them back to the patient's history
 // (patient/history.h); one that fails half-way is taken back with it. The face is never set back by a move: it follows
 // the bones to where they are.
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -167,9 +168,12 @@ class Head {
   uint64_t moment_version_ = 0;  // of the bones, in the last of them
   SkullBeside beside_ = SkullBeside::off;
   HeadView view_;
-  Eigen::Isometry3d grabbed_at_ = Eigen::Isometry3d::Identity();
-  Vec3 grabbed_centre_ = Vec3::Zero();
-  int held_by_ = -1;  // which hand
+  struct Grabbed {
+    int32_t fragment = -1;  // none
+    Eigen::Isometry3d at = Eigen::Isometry3d::Identity();
+    Vec3 centre_mm = Vec3::Zero();
+  };
+  std::array<Grabbed, kHands> grabbed_;  // by hand
   HeadStep last_;
   uint64_t steps_ = 0;
 };

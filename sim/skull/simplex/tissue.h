@@ -49,8 +49,10 @@ struct SpringLaw {
   double knee = 0.15;  // biphasic: elongation from which the stiffness is `ratio` times as large
   double ratio = 6;
   double c = 10;  // quadratic: k = k0 (1 + c e^2); exponential: f = (k0 l0 / c) (exp(c e) - 1)
-  double force_over_k0(double l, double l0) const;    // mm
-  double tangent_over_k0(double l, double l0) const;  // the larger of the tangent and, in tension, the secant stiffness
+  double force_over_k0(double l, double l0) const;  // mm
+  /// No less than the tangent nor, in tension, than the secant stiffness; without jumps: forces are divided by it, and
+  /// a pull that jumped where a spring stiffens would never rest.
+  double tangent_over_k0(double l, double l0) const;
 };
 
 struct TissueSettings {

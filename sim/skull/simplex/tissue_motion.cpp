@@ -51,7 +51,11 @@ inline Edges edges(const Tissue& t, size_t v, const SpringLaw& law, double& long
                  knee = law.kind == Stiffening::none ? 1 : 1 + law.knee;
     const v4 over = l - knee * l0;
     const auto beyond = (over > 0) & (l0 > 0);
-    slope = beyond ? all(1 + more) : all(1);
+    // What the force is divided by is no less than the tangent and grows into it on the way to the knee. Were it to
+    // jump there as the tangent does, so would the pull on the face, and a spring at the knee would never let it rest.
+    const v4 stretch = l - l0, way = (knee - 1) * l0;
+    const v4 share = stretch > 0 ? (stretch < way ? stretch / (way > 0 ? way : all(1)) : all(1)) : all(0);
+    slope = l0 > 0 ? 1 + more * share : all(1);
     f = (l - l0) + more * (beyond ? over : all(0));
     f = l0 > 0 ? f : all(0);
   } else {
@@ -117,7 +121,7 @@ double SpringLaw::tangent_over_k0(double l, double l0) const {
     case Stiffening::none:
       return 1;
     case Stiffening::biphasic:
-      return e <= knee ? 1 : std::max(1., ratio);
+      return 1 + std::max(0., ratio - 1) * (knee > 0 ? std::clamp(e / knee, 0., 1.) : e > 0);
     case Stiffening::quadratic:
       return 1 + 3 * c * e * e;
     case Stiffening::exponential:

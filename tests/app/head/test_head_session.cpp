@@ -15,9 +15,12 @@
 #include "app/session/lockstep.h"
 #include "devices/force/force_source.h"
 #include "devices/head_surgeon.h"
+#include "devices/log_source.h"
+#include "devices/motion.h"
 #include "devices/surface_index.h"
 #include "sim/base/error.h"
 #include "sim/base/whole_file.h"
+#include "sim/geometry/rotation.h"
 #include "sim/patient/soft_tissue.h"
 #include "sim/skull/simplex/file.h"
 #include "sim/skull/simplex/generators.h"
@@ -94,6 +97,65 @@ TEST(HeadSession, SawAndGloveCutAndCarryTheSameWithAnyNumberOfWorkers) {
   EXPECT_EQ(one.fragments, 3u);
   EXPECT_NEAR(one.forward_mm, 8, 1);  // the hand's tremor and noise, and what it met
   EXPECT_EQ(one.hash, two.hash);
+}
+
+/// Two gloves over the halves of the ball, which point down, close, draw the halves apart by 10 mm each, and open.
+std::vector<Sample> two_gloves() {
+  std::vector<Sample> out;
+  CutBone halves;
+  halves.point_mm = Vec3::Zero(), halves.normal = Vec3::UnitX(), halves.of = FragmentPick{-1, {0, 0, 40}};
+  CommandSample cut = command_sample(HeadCommand(halves));
+  cut.device_id = 1, cut.t_ns = 100'000'000;
+  const Eigen::Quaterniond down = turn_about(M_PI / 2, Vec3::UnitY());
+  bool told = false;
+  for (int i = 0; i < 6 * 120; ++i) {
+    const double t = i / 120.0;
+    if (!told && t > 0.1) out.push_back(cut), told = true;
+    const double shut = minimum_jerk((t - 1.5) / 0.4) - minimum_jerk((t - 4) / 0.4), half = 31 - 25 * shut;
+    const double apart = 20 + 10 * minimum_jerk((t - 2.2) / 1.2);
+    for (const int glove : {0, 1}) {
+      TrackerSample s;
+      s.device_id = 10 + glove, s.seq = i / 2, s.t_ns = s.true_ns = int64_t(t * 1e9) + glove;
+      s.station = 1 + i % 2 + 2 * glove;
+      if (glove == 0)
+        s.role = i % 2 ? StationRole::thumb : StationRole::forefinger;
+      else
+        s.role = i % 2 ? StationRole::other_thumb : StationRole::other_forefinger;
+      s.pos_mm = Vec3(glove == 0 ? -apart : apart, -31 + (i % 2 ? -half : half), 85);
+      s.quat = {down.w(), down.x(), down.y(), down.z()};
+      out.push_back(s);
+    }
+  }
+  return out;
+}
+
+TEST(HeadSession, TwoGlovesDrawTwoFragmentsApart) {
+  LIMBERG_NEEDS_BULLET();
+  uint64_t hash[2] = {1, 2};
+  for (const int workers : {1, 2}) {
+    AssemblyOptions o;
+    o.workers = workers;
+    Assembly a(ball_scene("two", kTissue), Calibration{}, o);
+    a.front.add(std::make_unique<LogSource>(two_gloves()));
+    SessionSettings set = a.session_settings();
+    set.ticks_per_frame = 1000;
+    hash[workers - 1] = run_lockstep(a.lanes(nullptr), set).state_hash;
+    EXPECT_EQ(a.solver.refused().size(), 0u);
+    const auto& fragments = a.head->bones().fragments();
+    ASSERT_EQ(fragments.size(), 3u);
+    std::vector<double> went;
+    for (const bone::Fragment& f : fragments)
+      if (!f.fixed) went.push_back((f.pose * f.centre_mm - f.centre_mm).x());
+    std::sort(went.begin(), went.end());
+    ASSERT_EQ(went.size(), 2u);
+    EXPECT_NEAR(went[0], -10, 0.5);
+    EXPECT_NEAR(went[1], 10, 0.5);
+    int grabs = 0, let_go = 0;
+    for (const Command& c : a.done) grabs += action_name(c) == "grab", let_go += action_name(c) == "let_go";
+    EXPECT_EQ(grabs, 2);
+    EXPECT_EQ(let_go, 2);
+  }
+  EXPECT_EQ(hash[0], hash[1]);
 }
 
 TEST(HeadSession, AScriptDoesTheSameWithoutAHand) {

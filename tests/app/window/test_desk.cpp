@@ -143,11 +143,11 @@ TEST_F(DeskTest, TheGloveIsDrawnWhereItIs) {
   SecondHand hand;
   hand.forefinger_mm[2] = 14, hand.thumb_mm[1] = -10, hand.thumb_mm[2] = 14;
   hand.pointing[0] = 0, hand.pointing[2] = -1, hand.points = 1;
-  w.frames->second_hand(hand);
+  w.frames->second_hand(hand, {});
   w.settle();
   EXPECT_EQ(different(none, w.frames->picture(), 200, 0, 1000, 600), 0) << "there is no glove";
   hand.valid = 1;
-  w.frames->second_hand(hand);
+  w.frames->second_hand(hand, {});
   w.settle();
   const Vec3f p = w.sight().to_pixel(Vec3f(0, 0, 14), w.screen.width, w.screen.height);
   const int x = int(p.x()), y = int(p.y());
@@ -156,7 +156,7 @@ TEST_F(DeskTest, TheGloveIsDrawnWhereItIs) {
   EXPECT_EQ(different(none, glove, 200, 450, 400, 600), 0);
   const int64_t before = w.frames->patient_drawn();
   hand.forefinger_mm[0] += 1;
-  w.frames->second_hand(hand);
+  w.frames->second_hand(hand, {});
   w.settle();
   EXPECT_GT(w.frames->patient_drawn(), before) << "it has moved";
 }

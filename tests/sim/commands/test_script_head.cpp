@@ -37,7 +37,7 @@ TEST(ScriptHead, EveryActSurvivesTheRoundTrip) {
                                       DragFragment{by, 0, 1},
                                       LetGo{true, 0},
                                       PlateFragments{{1, 2, 3}, {4, 5, 6}},
-                                      JoinFragments{{0, Vec3::Zero()}, {-1, {9, 8, 7}}},
+                                      JoinFragments{{0, Vec3::Zero()}, {-1, {9, 8, 7}}, 8},
                                       tissue,
                                       Unplate{{2, Vec3::Zero()}},
                                       SortFragments{},
@@ -88,7 +88,7 @@ TEST(ScriptHead, BadLinesSayLineAndReason) {
       std::string::npos);
   EXPECT_NE(why(R"({"action":"landmark","name":"N","at":[0,0,0],"on":"moon"})").find("expected bone or face"),
             std::string::npos);
-  EXPECT_NE(why(R"({"action":"grab","fragment":1,"hand":2})").find("from 0 to 1"), std::string::npos);
+  EXPECT_NE(why(R"({"action":"grab","fragment":1,"hand":3})").find("from 0 to 2"), std::string::npos);
 }
 
 TEST(ScriptHead, AMoveTurnsAboutItsPlaceAndShifts) {

@@ -23,10 +23,9 @@ btQuaternion to_bullet(const Mat3& R) {
 
 class BulletWorld final : public RigidWorld {
  public:
-  /// `held` is an index into parts.
-  BulletWorld(const std::vector<RigidPart>& parts, size_t held);
+  BulletWorld(const std::vector<RigidPart>& parts, const std::vector<size_t>& held);
   ~BulletWorld() override;
-  void want(const Eigen::Isometry3d& pose) override { wanted_ = pose; }
+  void want(size_t part, const Eigen::Isometry3d& pose) override;
   void step(double dt_s) override;
   Eigen::Isometry3d pose(size_t part) const override { return parts_[part].pose; }
   RigidFigures figures() const override { return figures_; }
@@ -46,9 +45,15 @@ class BulletWorld final : public RigidWorld {
   std::vector<std::unique_ptr<btCollisionShape>> shapes_;
   std::vector<std::unique_ptr<btRigidBody>> bodies_;
   std::vector<RigidPart> parts_;
-  size_t held_ = 0;
-  double radius_mm_ = 0;  // of the held part about its centre
-  Eigen::Isometry3d wanted_;
+  struct InHand {
+    size_t part = 0;
+    double radius_mm = 0;  // about its centre
+    Eigen::Isometry3d wanted;
+  };
+  bool in_hand(size_t part) const {
+    return std::any_of(held_.begin(), held_.end(), [&](const InHand& h) { return h.part == part; });
+  }
+  std::vector<InHand> held_;
   RigidFigures figures_;
 };
 
@@ -77,8 +82,13 @@ int BulletWorld::touching() {
   return n;
 }
 
-BulletWorld::BulletWorld(const std::vector<RigidPart>& parts, size_t held)
-    : parts_(parts), held_(held), wanted_(parts[held].pose) {
+void BulletWorld::want(size_t part, const Eigen::Isometry3d& pose) {
+  for (InHand& h : held_)
+    if (h.part == part) h.wanted = pose;
+}
+
+BulletWorld::BulletWorld(const std::vector<RigidPart>& parts, const std::vector<size_t>& held) : parts_(parts) {
+  for (const size_t part : held) held_.push_back({part, 0, parts[part].pose});
   world_.setGravity(btVector3(0, 0, 0));
   world_.getDispatchInfo().m_deterministicOverlappingPairs = true;
   world_.getSolverInfo().m_numIterations = 20;
@@ -94,7 +104,8 @@ BulletWorld::BulletWorld(const std::vector<RigidPart>& parts, size_t held)
         auto hull = std::make_unique<btConvexHullShape>();
         for (const Vec3& y : x) {
           hull->addPoint(to_bullet(Vec3(y - middle)), false);
-          if (i == held) radius_mm_ = std::max(radius_mm_, y.norm());
+          for (InHand& h : held_)
+            if (h.part == i) h.radius_mm = std::max(h.radius_mm, y.norm());
         }
         hull->recalcLocalAabb();
         hull->setMargin(btScalar(kCm * kMargin_mm));
@@ -117,18 +128,20 @@ BulletWorld::BulletWorld(const std::vector<RigidPart>& parts, size_t held)
 
 void BulletWorld::step(double dt) {
   if (!(dt > 0) || !std::isfinite(dt)) return;
-  btRigidBody& body = *bodies_[held_];
-  const RigidPart& part = parts_[held_];
-  const btTransform target = transform(part, wanted_);
-  const auto turn = [&] {  // from now to the target, radians about an axis
-    btQuaternion q = target.getRotation() * body.getWorldTransform().getRotation().inverse();
+  const auto target = [&](const InHand& h) { return transform(parts_[h.part], h.wanted); };
+  const auto turn = [&](const InHand& h) {  // from now to the target, radians about an axis
+    btQuaternion q = target(h).getRotation() * bodies_[h.part]->getWorldTransform().getRotation().inverse();
     if (q.w() < 0) q = -q;
     const btVector3 axis(q.x(), q.y(), q.z());
     const btScalar s = axis.length();
     return s > btScalar(1e-7) ? axis * (2 * elementary::atan2(s, q.w()) / s) : btVector3(0, 0, 0);
   };
-  const btVector3 way = target.getOrigin() - body.getWorldTransform().getOrigin();
-  const double path = double(way.length()) / kCm + double(turn().length()) * radius_mm_;
+  const auto way = [&](const InHand& h) -> btVector3 {
+    return target(h).getOrigin() - bodies_[h.part]->getWorldTransform().getOrigin();
+  };
+  double path = 0;
+  for (const InHand& h : held_)
+    path = std::max(path, double(way(h).length()) / kCm + double(turn(h).length()) * h.radius_mm);
   const double most = kMostSubsteps * kStride_mm, share = path > most ? most / path : 1;
   const int n = std::clamp(int(std::ceil(share * path / kStride_mm - 1e-9)), 1, kMostSubsteps);
   const double h = dt / n;
@@ -140,32 +153,29 @@ void BulletWorld::step(double dt) {
     const btScalar rate = btScalar(part_of / h);
     for (auto& b : bodies_)
       b->setLinearVelocity(btVector3(0, 0, 0)), b->setAngularVelocity(btVector3(0, 0, 0)), b->clearForces();
-    body.setLinearVelocity((target.getOrigin() - body.getWorldTransform().getOrigin()) * rate);
-    body.setAngularVelocity(turn() * rate);
+    for (const InHand& k : held_)
+      bodies_[k.part]->setLinearVelocity(way(k) * rate), bodies_[k.part]->setAngularVelocity(turn(k) * rate);
     world_.stepSimulation(btScalar(h), 0);
     touched += touching();
     for (size_t k = 0; k < bodies_.size(); ++k)
-      if (k != held_ && !parts_[k].fixed)
+      if (!in_hand(k) && !parts_[k].fixed)
         pushed[k] |= bodies_[k]->getLinearVelocity().length2() > 0 || bodies_[k]->getAngularVelocity().length2() > 0;
   }
   figures_.substeps = n, figures_.contacts = touching();
-  for (size_t k = 0; k < bodies_.size(); ++k) {
-    if (k == held_) {
-      // Free all the way: where the hand wants it, in doubles.
-      if (touched == 0 && share == 1)
-        parts_[k].pose = wanted_, bodies_[k]->setWorldTransform(target);
-      else
-        parts_[k].pose = read(k);
-    } else if (pushed[k]) {
-      parts_[k].pose = read(k);
-    }
-  }
+  for (size_t k = 0; k < bodies_.size(); ++k)
+    if (pushed[k]) parts_[k].pose = read(k);
+  // Free all the way: where the hands want them, in doubles.
+  for (const InHand& k : held_)
+    if (touched == 0 && share == 1)
+      parts_[k.part].pose = k.wanted, bodies_[k.part]->setWorldTransform(target(k));
+    else
+      parts_[k.part].pose = read(k.part);
 }
 
 }  // namespace
 }  // namespace limberg::bone
 
 extern "C" limberg::bone::RigidWorld* limberg_rigid_world(const std::vector<limberg::bone::RigidPart>& parts,
-                                                          size_t held) {
+                                                          const std::vector<size_t>& held) {
   return new limberg::bone::BulletWorld(parts, held);
 }

@@ -19,14 +19,14 @@ class KeptBones : public bone::Bones {
   using Bones::Bones;
   KeptBones(Bones&& bones) : Bones(std::move(bones)) {}
   Outcome cut(const bone::Osteotomy& what) { return keep(Bones::cut(what)); }
-  Outcome join(int32_t a, int32_t b) { return keep(Bones::join(a, b)); }
+  Outcome join(int32_t a, int32_t b, double smooth_mm = 0) { return keep(Bones::join(a, b, smooth_mm)); }
   Outcome move(int32_t id, const Eigen::Isometry3d& pose) { return keep(Bones::move(id, pose)); }
   Outcome plate(const Vec3& a_mm, const Vec3& b_mm) { return keep(Bones::plate(a_mm, b_mm)); }
   Outcome unplate(int32_t id) { return keep(Bones::unplate(id)); }
   Outcome sort() { return keep(Bones::sort()); }
   Outcome release(int32_t id, bool snap = false) { return keep(Bones::release(id, snap)); }
-  bool can_undo() const { return past_.can_undo() && held() < 0; }
-  bool can_redo() const { return past_.can_redo() && held() < 0; }
+  bool can_undo() const { return past_.can_undo() && !holds(-1); }
+  bool can_redo() const { return past_.can_redo() && !holds(-1); }
   Outcome undo() {
     const Outcome o = past_.can_undo() ? take_back(past_.last()) : Outcome{false, "there is nothing to undo"};
     if (o.done) past_.went_back();

@@ -329,7 +329,8 @@ TEST(Head, AHandCarriesAFragmentAndTheSameHandLetsItGo) {
   Skull h(ball(), w);
   ASSERT_TRUE(h.apply(HeadCommand(halve())).done);
   ASSERT_TRUE(h.apply(HeadCommand(GrabFragment{{-1, {0, 0, 30}}, 1})).done);
-  EXPECT_FALSE(h.apply(HeadCommand(GrabFragment{{-1, {0, 0, -30}}, 0})).done);
+  EXPECT_FALSE(h.apply(HeadCommand(GrabFragment{{-1, {0, 0, 30}}, 0})).done);   // of another hand
+  EXPECT_FALSE(h.apply(HeadCommand(GrabFragment{{-1, {0, 0, -30}}, 1})).done);  // full
   EXPECT_FALSE(h.apply(HeadCommand(DragFragment{{}, 0, 0})).done);
   EXPECT_FALSE(h.apply(Undo{}).done);  // while it is held
   for (int i = 1; i <= 80; ++i) {
@@ -345,6 +346,46 @@ TEST(Head, AHandCarriesAFragmentAndTheSameHandLetsItGo) {
   const uint64_t moved = h.bones().hash();
   ASSERT_TRUE(h.apply(Undo{}).done);
   EXPECT_NEAR(landmark(h, "top").z(), 30, 0.5);
+  ASSERT_TRUE(h.apply(Redo{}).done);
+  EXPECT_EQ(h.bones().hash(), moved);
+}
+
+// Two gloves: each half in a hand; what one lets go is an act of its own, whatever the other does meanwhile.
+TEST(Head, TwoHandsCarryAFragmentEach) {
+  LIMBERG_NEEDS_BULLET();
+  InlineWorkers w;
+  Skull h(ball(), w);
+  ASSERT_TRUE(h.apply(HeadCommand(halve())).done);
+  const auto take = [&](int hand, const Vec3& by) {
+    DragFragment d;
+    d.hand = hand, d.to.translation_mm = by;
+    ASSERT_TRUE(h.apply(HeadCommand(d)).done);
+  };
+  const uint64_t first = h.bones().hash();
+  ASSERT_TRUE(h.apply(HeadCommand(GrabFragment{{-1, {0, 0, 30}}, 1})).done);
+  for (int i = 1; i <= 20; ++i) take(1, {0, 0, 0.25 * i}), h.step();
+  ASSERT_TRUE(h.apply(HeadCommand(GrabFragment{{-1, {0, 0, -30}}, 2})).done);
+  for (int i = 1; i <= 40; ++i) take(1, {0, 0, 5 + 0.1 * i}), take(2, {0.1 * i, 0, -0.2 * i}), h.step();
+  ASSERT_TRUE(h.apply(HeadCommand(LetGo{false, 1})).done);
+  EXPECT_FALSE(h.apply(Undo{}).done);  // the other hand still holds
+  for (int i = 1; i <= 20; ++i) take(2, {4, 0, -8 - 0.1 * i}), h.step();
+  ASSERT_TRUE(h.apply(HeadCommand(LetGo{false, 2})).done);
+  h.step();
+  const auto at = [&](const Vec3& place) {
+    const auto& bones = h.bones();
+    const bone::Fragment& f = *bones.fragment(bones.nearest_fragment(place));
+    return Vec3(f.pose.translation());
+  };
+  EXPECT_LT((at({0, 0, 30}) - Vec3(0, 0, 9)).norm(), 1e-9);  // nothing was in the way
+  EXPECT_LT((at({0, 0, -30}) - Vec3(4, 0, -10)).norm(), 1e-9);
+  const uint64_t moved = h.bones().hash();
+  ASSERT_TRUE(h.apply(Undo{}).done);
+  EXPECT_LT((at({0, 0, 30}) - Vec3(0, 0, 9)).norm(), 1e-9);  // only what the second hand did is taken back
+  EXPECT_LT(at({0, 0, -30}).norm(), 1e-12);
+  ASSERT_TRUE(h.apply(Undo{}).done);
+  EXPECT_EQ(h.bones().hash(), first);
+  ASSERT_TRUE(h.apply(Redo{}).done);
+  EXPECT_LT(at({0, 0, -30}).norm(), 1e-12);
   ASSERT_TRUE(h.apply(Redo{}).done);
   EXPECT_EQ(h.bones().hash(), moved);
 }
