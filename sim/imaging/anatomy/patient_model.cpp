@@ -99,8 +99,10 @@ PatientModel make_patient(const Volume& given, const PatientSettings& s, const H
     l.grid_mm = own.step_mm, l.edge_mm = s.edge_mm;
     b.mesh = mesh_level_set(surface_of(own), l, workers, &b.surface);
     // The picture between voxels that were there, not smoothed: smoothing is one more blur.
-    b.cortex = put_on_cortex(b.mesh, out.bone_volume, compact, std::max(4., 2.5 * longest), workers,
-                             out.bone_volume.size == given.size ? 0 : longest);
+    b.cortex = out.bone_volume.size == given.size
+                   ? put_on_cortex(b.mesh, given, compact, std::max(4., 2.5 * longest), workers)
+                   : put_on_cortex_in_slices(b.mesh, given, compact, out.offset, workers,
+                                             out.bone.empty() ? nullptr : &out.bone.front().cortex);
     b.mesh.axes = simplex::Axes::left_posterior_superior;
     simplex::turn_to_head(b.mesh);
     b.volume_cm3 = 1e-3 * simplex::extent(b.mesh).volume_mm3, b.genus = simplex::census(b.mesh).genus;
