@@ -128,10 +128,17 @@ PatientModel make_patient(const Volume& given, const PatientSettings& s, const H
   }
   a.skin = triangles_of(out.face);
   a.brain_mm = Vec3(-out.parts.brain_mm.x(), -out.parts.brain_mm.y(), out.parts.brain_mm.z()), a.voxel_mm = longest;
+  a.volume = &given, a.offset = out.offset, a.bone_HU = s.bone_HU;
   out.anatomy = find_anatomy(a, atlas, workers);
   for (PatientBone& b : out.bone) move(b.mesh, out.anatomy.to_head);
   move(out.face, out.anatomy.to_head);
   for (const std::string& n : out.parts.notes) out.notes.push_back(n);
+  out.notes.push_back(out.anatomy.ear_canals == 2 ? "the porions are the upper rims of both ear canals"
+                      : out.anatomy.ear_canals == 1
+                          ? "one ear canal is seen, its upper rim a porion; the other porion is by rule"
+                          : "no ear canals are seen: the porions are where those of a laid skull meet bone");
+  for (const FoundLandmark& l : out.anatomy.landmark)
+    if (l.mirrored) out.notes.push_back(l.name + " was not met: the mirror image of its fellow, brought to bone");
   return out;
 }
 
