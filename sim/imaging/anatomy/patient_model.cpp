@@ -108,6 +108,11 @@ PatientModel make_patient(const Volume& given, const PatientSettings& s, const H
     b.volume_cm3 = 1e-3 * simplex::extent(b.mesh).volume_mm3, b.genus = simplex::census(b.mesh).genus;
     out.bone.push_back(std::move(b));
   }
+  if (!out.bone.empty() && out.bone.front().cortex.cortical_sd > 0)
+    out.notes.push_back("compact bone is taken to have " +
+                        std::to_string(int(out.bone.front().cortex.cortical - out.offset)) + " HU; within " +
+                        std::to_string(int(out.bone.front().cortex.cortical_sd)) +
+                        " HU of that the slices are explained as well, and 100 HU are 0.1 mm all around");
   out.parts.of.clear();
   solid.distance = {}, solid.value = {};
   out.solid = std::move(solid);

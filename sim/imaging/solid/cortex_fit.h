@@ -58,6 +58,7 @@ Blur blur_of(const Volume& volume, double point_mm);
 struct CortexReport {
   int32_t vertices = 0, found = 0;  // the others follow their neighbours
   double cortical = 0;              // the density of compact bone that leaves the least
+  double cortical_sd = 0;           // tall slices: of the densities that leave nearly as little
   double point_mm = 0;              // the scanner's own blur that leaves the least
   double shift_mm = 0;              // mean of the moves, outwards
   double thickness_mm = 0;          // median of the cortex

@@ -88,6 +88,42 @@ struct SliceStack {
   }
 };
 
+/// The density of compact bone and the blur that leave least, by the mean logarithm of what is left of each profile.
+/// Densities that leave nearly as little have a part by how little: 1100 and 1300 HU differ by 1 % there, and by a
+/// quarter of a millimetre all around (synthetic head of 1100 HU in slices of 3 mm, 2026-11-27).
+template <class Look>
+void likely_scanner(const std::vector<size_t>& some, const std::vector<double>& densities, Look&& look,
+                    Workers& workers, CortexReport& out) {
+  constexpr double kUntold = 0.02;
+  struct Trial {
+    double density, point, left;
+  };
+  std::vector<Trial> best;
+  std::vector<double> left(some.size());
+  for (const double density : densities) {
+    best.push_back({density, 0.6, std::numeric_limits<double>::infinity()});
+    for (const double point : {0.3, 0.45, 0.6, 0.75, 0.9, 1.1, 1.3}) {
+      workers.parallel_for(some.size(), 16, [&](size_t b, size_t e) {
+        for (size_t k = b; k < e; ++k)
+          left[k] = elementary::log(std::clamp(look(some[k], point, density).rms, 1., 1e3));
+      });
+      double sum = 0;
+      for (const double x : left) sum += x / double(left.size());
+      if (sum < best.back().left) best.back().point = point, best.back().left = sum;
+    }
+  }
+  double least = std::numeric_limits<double>::infinity(), all = 0, square = 0;
+  for (const Trial& t : best) least = std::min(least, t.left);
+  out.cortical = out.point_mm = 0;
+  for (const Trial& t : best) {
+    const double weight = elementary::exp((least - t.left) / kUntold);
+    all += weight, out.cortical += weight * t.density, out.point_mm += weight * t.point;
+    square += weight * t.density * t.density;
+  }
+  out.cortical /= all, out.point_mm /= all;
+  out.cortical_sd = std::sqrt(std::max(0., square / all - out.cortical * out.cortical));
+}
+
 double median(std::vector<double> x) {
   const auto at = x.begin() + std::ptrdiff_t(x.size() / 2);
   std::nth_element(x.begin(), at, x.end());
@@ -129,7 +165,7 @@ CortexReport put_on_cortex_in_slices(simplex::Mesh& m, const Volume& slices, con
       if (same_scan)
         out.cortical = same_scan->cortical, out.point_mm = same_scan->point_mm;
       else
-        cortex::find_scanner(
+        likely_scanner(
             cortex::some_of(upright.empty() ? all : upright), densities,
             [&](size_t i, double point, double density) { return look(i, point, density, nullptr); }, workers, out);
       // What the upright surfaces say of cortex and what is beneath.
