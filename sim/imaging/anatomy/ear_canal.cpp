@@ -21,6 +21,7 @@ constexpr double kOutside_HU = -800;
 // neither.
 constexpr double kWall_mm = 10, kRoof_mm = 7;
 constexpr int kOpenSteps = 4;
+constexpr size_t kThinning = 3;
 constexpr double kRay_mm = 0.25;
 constexpr int kLeastWalled = 4;        // steps in bone that make a canal
 constexpr double kCanalAir_HU = -100;  // the mean along it is below: a fold of skin or a suture is not
@@ -44,7 +45,7 @@ struct CanalSeeker {
     // From within outwards: `way` begins at its inner end. It ends where no bone has been close above for some steps.
     int walled = 0, open = 0;
     double air = 0;
-    std::optional<Vec3> rim;
+    std::vector<Vec3> roof;
     for (const size_t n : way) {
       const Vec3 x = place(n);
       const std::optional<Vec3> above = wall(x, up, kRoof_mm);
@@ -52,11 +53,12 @@ struct CanalSeeker {
                          int(wall(x, -forwards, kWall_mm).has_value());
       if (above && others >= 2) ++walled, air += HU(x);
       if (walled == 0) continue;
-      if (above) rim = above, open = 0;
+      if (above) roof.push_back(*above), open = 0;
       if (!above && ++open >= kOpenSteps) break;
     }
-    if (walled < kLeastWalled || !rim || !(air / walled < kCanalAir_HU)) return std::nullopt;
-    return EarCanal{*rim, walled * kStepCanal_mm, air / walled};
+    if (walled < kLeastWalled || roof.empty() || !(air / walled < kCanalAir_HU)) return std::nullopt;
+    // The last of the roof thins out to nothing, and seems higher than it is.
+    return EarCanal{roof[roof.size() - std::min(roof.size(), kThinning)], walled * kStepCanal_mm, air / walled};
   }
 
   /// Where bone begins along a ray from within the canal.
@@ -70,7 +72,7 @@ struct CanalSeeker {
     }
     if (most < bone || least > 0) return std::nullopt;
     // Skin lines the canal: half-way between air and bone may lie in it.
-    const double half = std::max(bone, 0.5 * (least + most));
+    const double half = 0.5 * (std::max(bone, 0.5 * (least + most)) + 0.5 * (least + most));
     while (at > 0 && HU(x + at * along) >= half) at -= kRay_mm;
     const double a = HU(x + at * along), b = HU(x + (at + kRay_mm) * along);
     return Vec3(x + (at + (b > a ? kRay_mm * (half - a) / (b - a) : 0)) * along);

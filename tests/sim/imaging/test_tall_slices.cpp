@@ -32,7 +32,7 @@ TEST(EarCanal, IsFoundWhereItIsAndNotWhereNoneIs) {
       const Vec3 at = head.transpose() * found->porion_mm;
       EXPECT_NEAR(at.z(), po.z(), 1.6) << side;
       EXPECT_NEAR(at.y(), po.y(), 1.5) << side;
-      EXPECT_NEAR(at.x(), po.x(), 3) << side;
+      EXPECT_NEAR(at.x(), po.x(), 4) << side;
       EXPECT_LT(found->air_HU, -500);
     }
   }
@@ -77,7 +77,7 @@ TEST(TallSlices, OfThreeMillimetresMakeABoneOfItsSize) {
   for (const FoundLandmark& l : p.anatomy.landmark) {
     const double off = truth.contains(l.name) ? (back * l.at_mm - truth[l.name]).norm() : 0;
     if (l.name == "Po_R" || l.name == "Po_L") {
-      EXPECT_LT(off, 3) << l.name;
+      EXPECT_LT(off, 4) << l.name;
       ++seen;
     }
     // What level profiles hide is stated.
