@@ -16,7 +16,7 @@
 #include "app/patient/operations.h"
 #include "app/patient/scene_text.h"
 #include "app/patient/slices.h"
-#include "app/patient/tissue_reach.h"
+#include "app/patient/soft_tissue.h"
 #include "app/program/interrupt.h"
 #include "app/result/metrics.h"
 #include "app/result/output.h"
@@ -94,6 +94,46 @@ void fields(ResultOperation& x, auto&& f) {
   f("name", x.name), f("title", x.title), f("made", x.made), f("why", x.why);
 }
 
+struct ResultThickness {
+  std::string landmark;
+  double mm;
+};
+void fields(ResultThickness& x, auto&& f) { f("landmark", x.landmark), f("mm", x.mm); }
+/// The tissue between skin and bone: what was laid, and how thick it is in the picture.
+struct ResultSoftTissue {
+  double reach_mm = 0;
+  int64_t over_bone = 0, covered = 0, columns = 0, hovering = 0, steps_to_rest = 0;
+  double least_ratio = 0, low_ratio = 0, thinnest_mm = 0, median_mm = 0, p95_mm = 0, thickest_mm = 0;
+  double true_p5_mm = 0, true_median_mm = 0, true_p95_mm = 0;
+  std::vector<ResultThickness> at;
+};
+void fields(ResultSoftTissue& x, auto&& f) {
+  f("reach_mm", x.reach_mm), f("over_bone", x.over_bone), f("covered", x.covered), f("columns", x.columns);
+  f("hovering", x.hovering), f("steps_to_rest", x.steps_to_rest), f("least_ratio", x.least_ratio);
+  f("low_ratio", x.low_ratio), f("thinnest_mm", x.thinnest_mm), f("median_mm", x.median_mm), f("p95_mm", x.p95_mm);
+  f("thickest_mm", x.thickest_mm), f("true_p5_mm", x.true_p5_mm), f("true_median_mm", x.true_median_mm);
+  f("true_p95_mm", x.true_p95_mm), f("at", x.at);
+}
+ResultSoftTissue result_of(const LaidTissue& t) {
+  ResultSoftTissue r;
+  r.reach_mm = t.reach_mm, r.over_bone = t.over_bone, r.covered = t.covered, r.columns = t.quality.columns;
+  r.hovering = t.quality.hovering, r.steps_to_rest = t.steps, r.least_ratio = t.quality.least_ratio;
+  r.low_ratio = t.quality.low_ratio, r.thinnest_mm = t.quality.thinnest_mm, r.median_mm = t.quality.median_mm;
+  r.p95_mm = t.quality.p95_mm, r.thickest_mm = t.quality.thickest_mm;
+  r.true_p5_mm = t.true_p5_mm, r.true_median_mm = t.true_median_mm, r.true_p95_mm = t.true_p95_mm;
+  for (const ThicknessAt& a : t.at) r.at.push_back({a.landmark, a.mm});
+  return r;
+}
+std::string words_of(const LaidTissue& t) {
+  if (t.reach_mm == 0)
+    return "no soft tissue could be laid between skin and bone (" + t.why + "): the face does not follow";
+  return fmt::format(
+      "soft tissue is laid {} under {} of {} vertices of the skin that have bone beneath; {} of {} columns end above "
+      "the bone; the flattest tetrahedron has a mean ratio of {:.2f}",
+      t.reach_mm >= kWholeFace_mm ? "over the whole face" : fmt::format("within {:.0f} mm of the nose", t.reach_mm),
+      t.covered, t.over_bone, t.quality.hovering, t.quality.columns, t.quality.least_ratio);
+}
+
 /// What `patient` says beside its tables.
 struct ResultPatient {
   std::string volume, series;
@@ -106,6 +146,7 @@ struct ResultPatient {
   double pitch_deg = 0, roll_deg = 0, yaw_deg = 0, symmetry_rms_mm = 0, laid_skull_rms_mm = 0;
   double compact_HU = 0, blur_mm = 0;
   double skin_reached = 0, skin_rms_mm = 0, bone_found = 0, cpu_s = 0;
+  ResultSoftTissue soft_tissue;
   std::vector<ResultApart> distances;
   std::vector<ResultOperation> operations;
   std::vector<std::string> notes;
@@ -119,8 +160,8 @@ void fields(ResultPatient& x, auto&& f) {
   f("roll_deg", x.roll_deg), f("yaw_deg", x.yaw_deg), f("symmetry_rms_mm", x.symmetry_rms_mm);
   f("laid_skull_rms_mm", x.laid_skull_rms_mm), f("compact_HU", x.compact_HU), f("blur_mm", x.blur_mm);
   f("skin_reached", x.skin_reached), f("skin_rms_mm", x.skin_rms_mm), f("bone_found", x.bone_found);
-  f("cpu_s", x.cpu_s), f("distances", x.distances), f("operations", x.operations), f("notes", x.notes),
-      f("missed", x.missed), f("reproduce", x.reproduce);
+  f("cpu_s", x.cpu_s), f("soft_tissue", x.soft_tissue), f("distances", x.distances);
+  f("operations", x.operations), f("notes", x.notes), f("missed", x.missed), f("reproduce", x.reproduce);
 }
 
 /// The volume, with what was chosen and done said in `notes`.
@@ -260,6 +301,20 @@ void tell(Result& r, const std::vector<ResultApart>& apart) {
   if (!t.rows.empty()) add_table(r, t);
 }
 
+void tell(Result& r, const LaidTissue& t) {
+  ResultTable table{"Soft tissue",
+                    "From skin to bone along the normal of the skin, in the meshes. Of the columns that the scene's "
+                    "tissue is made of see the notes.",
+                    {"place", "thickness, mm"},
+                    {}};
+  const auto row = [&](const std::string& name, double mm) { table.rows.push_back({name, fmt::format("{:.1f}", mm)}); };
+  if (t.over_bone == 0) return;
+  row("all skin over bone, median", t.true_median_mm), row("5 % are below", t.true_p5_mm);
+  row("5 % are above", t.true_p95_mm);
+  for (const ThicknessAt& a : t.at) row(a.landmark, a.mm);
+  add_table(r, table);
+}
+
 std::string cut_words(const BoneCut& c, const char* name, double offset) {
   if (!c.made) return "";
   if (c.area_mm2 == 0) return fmt::format("{} lies apart in the picture", name);
@@ -324,13 +379,13 @@ int run_patient(const PatientOptions& o) {
     throw InputError(o.input, 0, e.what());
   }
   progress.note("soft tissue");
-  const double reach_mm = tissue_reach_mm(p, kPatientTissue_kPa, kPatientTissueLayers, workers);
+  const LaidTissue soft = lay_soft_tissue(p, kPatientTissue_kPa, kPatientTissueLayers, workers);
   progress.note("operations");
   const std::vector<PlannedOperation> planned = operations(p, workers);
   const double cpu_s = (bench::cpu_ms() - start_ms) * 1e-3;
   progress.clear();
   catch_interrupts();
-  write_files(o, p, reach_mm, planned);
+  write_files(o, p, soft.reach_mm, planned);
   int64_t seen = 0, all = 0;
   for (const PatientBone& b : p.bone) seen += b.cortex.found, all += b.cortex.vertices;
   const double found = all > 0 ? double(seen) / double(all) : 0;
@@ -338,8 +393,7 @@ int run_patient(const PatientOptions& o) {
   std::vector<std::string> notes = loaded.notes;
   notes.push_back(p.offset_why);
   notes.insert(notes.end(), p.notes.begin(), p.notes.end());
-  notes.push_back(reach_mm > 0 ? fmt::format("soft tissue is laid within {:.0f} mm of the nose", reach_mm)
-                               : "no soft tissue could be laid between skin and bone: the face does not follow");
+  notes.push_back(words_of(soft));
   for (const auto& [cut, name] : {std::pair(&p.parts.mandible, "the mandible"), std::pair(&p.parts.spine, "the spine")})
     if (const std::string w = cut_words(*cut, name, p.offset); !w.empty()) notes.push_back(w);
   for (const PlannedOperation& x : planned)
@@ -391,12 +445,13 @@ int run_patient(const PatientOptions& o) {
   out.skin_reached = p.skin.reached, out.skin_rms_mm = p.skin.rms_mm, out.bone_found = found, out.cpu_s = cpu_s;
   for (const PlannedOperation& x : planned)
     out.operations.push_back({x.name, x.title, x.made(), x.made() ? MaybeText() : MaybeText(x.why)});
+  out.soft_tissue = result_of(soft);
   out.notes = notes, out.missed = unless_empty(faults), out.reproduce = this_call();
   const std::vector<PartInPicture> parts = in_picture(p);
   out.distances = distances(v, p, o, parts, workers);
   write_fields(result, "", out);
   result.set_ok(faults.empty());
-  tell(result, p), tell(result, out.distances);
+  tell(result, p), tell(result, soft), tell(result, out.distances);
   draw_slices(result, o.common.out_dir, v, p, parts);
   leave_result(result, o.common);
   return faults.empty() ? kDone : kGoalMissed;

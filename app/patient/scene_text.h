@@ -10,7 +10,7 @@ constexpr int kPatientTissueLayers = 2;
 constexpr double kPatientTissue_kPa = 15;  // as in the shipped heads
 
 /// A scene of the meshes cranium.simplex, mandible.simplex, ... and face.simplex beside it: landmarks, camera, and
-/// tissue between bone and the skin over it within `reach_mm` of the landmark sn (tissue_reach.h; 0: none). `note`: one
+/// tissue between bone and the skin over it within `reach_mm` of the landmark sn (soft_tissue.h; 0: none). `note`: one
 /// line on where it comes from.
 std::string patient_scene(const PatientModel& patient, double reach_mm, const std::string& note);
 

@@ -1,5 +1,6 @@
 #include "sim/imaging/anatomy/anatomy.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,6 +8,7 @@
 
 #include "sim/base/elementary.h"
 #include "sim/base/error.h"
+#include "sim/imaging/anatomy/ear_canal.h"
 
 namespace limberg {
 
@@ -21,6 +23,11 @@ constexpr double kPatchMove_mm = 15;  // that it may go
 constexpr double kMostScale = 0.2;    // heads of all ages from four years on are within it (head lengths, Farkas 1994)
 constexpr double kSlack_mm = 1;       // a rule looks so much farther than on the synthetic head
 constexpr double kPastPlace_mm = 25;  // and a ray goes on so far behind it
+constexpr double kProfile = 0.7;      // of a rule's reach: half of the parabola's width
+constexpr double kUnseen = 0.1;       // of a voxel: a profile that falls by less is level
+constexpr double kMostFlat_mm = 15;
+constexpr double kMirror_mm = 15;        // bone so near a mirror image is its place
+constexpr double kPorionsApart_mm = 15;  // forwards and upwards, of both together
 constexpr int kFrameRounds = 3;
 
 Mat3 about_x(double deg) {
@@ -43,7 +50,8 @@ struct Seeker {
     const LandmarkRule* rule;
     double side;
     Vec3 first_mm, at_mm;  // in the frame of the surfaces
-    bool met = false;
+    double flat_mm = 0;    // along the profile: so far it may lie from its place without that being seen
+    bool met = false, from_canal = false, mirrored = false;
   };
   std::vector<Named> named;
 
@@ -54,6 +62,7 @@ struct Seeker {
     if (!patient.skin.tri.empty()) skin = Bvh(patient.skin.x_mm, patient.skin.tri);
     first_places();
     out.to_head = frame_of(skull_map.R.transpose());
+    find_canals();
     for (int round = 0; round < kFrameRounds; ++round) {
       by_rule();
       out.to_head = frame_of(out.to_head.linear());
@@ -111,7 +120,7 @@ struct Seeker {
                                         [&](const auto& l) { return l.first == name; });
         if (known == atlas.landmarks.end()) continue;
         const Vec3 x = jaw || r.carried ? mandible_map(known->second) : skull_map(known->second);
-        named.push_back({name, &r, side, x, x, false});
+        named.push_back({name, &r, side, x, x, 0, false, false, false});
       }
     bring_nearer();
   }
@@ -185,10 +194,33 @@ struct Seeker {
     return to;
   }
 
+  /// In the volume the frame of the surfaces is turned by half a turn.
+  void find_canals() {
+    if (!patient.volume) return;
+    const auto turned = [](const Vec3& x) { return Vec3(-x.x(), -x.y(), x.z()); };
+    Mat3 head;
+    for (Eigen::Index k = 0; k < 3; ++k) head.col(k) = turned(out.to_head.linear().row(k).transpose());
+    std::array<Named*, 2> porion{};
+    for (Named& n : named) {
+      if (n.name != "Po_R" && n.name != "Po_L") continue;
+      porion[n.side > 0] = &n;
+      if (const auto canal =
+              find_ear_canal(*patient.volume, patient.offset, patient.bone_HU, turned(n.first_mm), head, n.side))
+        n.at_mm = turned(canal->porion_mm), n.met = n.from_canal = true, ++out.ear_canals;
+    }
+    // They lie nearly opposite to one another: where they do not one of them is something else, and none is taken.
+    if (out.ear_canals != 2) return;
+    const Vec3 apart = out.to_head.linear() * (porion[1]->at_mm - porion[0]->at_mm);
+    if (elementary::hypot(apart.y(), apart.z()) > kPorionsApart_mm)
+      for (Named* n : porion) n->from_canal = false, n->at_mm = n->first_mm, out.ear_canals = 0;
+  }
+
   void by_rule() {
     const Eigen::Isometry3d back = out.to_head.inverse();
     for (Named& n : named) {
       const LandmarkRule& r = *n.rule;
+      n.mirrored = false;
+      if (n.from_canal) continue;
       // A rule that looks at one place only says nothing of its own: that of the laid skull is brought to the bone.
       const bool one_place = r.reach_mm[0] == 0 && r.reach_mm[1] == 0;
       const Bvh& at = r.surface == LandmarkRule::Surface::skull      ? skull
@@ -204,16 +236,75 @@ struct Seeker {
         if (n.met) n.at_mm = c.point_mm;
         continue;
       }
-      if (const std::optional<Vec3> p = seek(at, back, place, look.normalized(), score, r))
+      if (const std::optional<Vec3> p = seek(at, back, place, look.normalized(), score, r, n.flat_mm))
         n.at_mm = back * *p, n.met = true;
       else
         n.met = false;
     }
+    for (Named& n : named) {
+      if (n.met || !n.rule->pair) continue;
+      const Named* fellow = find(n.name.substr(0, n.name.size() - 1) + (n.side > 0 ? "L" : "R"));
+      if (!fellow || !fellow->met) continue;
+      Vec3 place = out.to_head * fellow->at_mm;
+      place.x() = -place.x();
+      const Bvh& at = n.rule->surface == LandmarkRule::Surface::skull      ? skull
+                      : n.rule->surface == LandmarkRule::Surface::mandible ? mandible
+                                                                           : skin;
+      if (const Bvh::Closest c = at.closest(back * place, kMirror_mm); c.triangle >= 0)
+        n.at_mm = c.point_mm, n.met = n.mirrored = true;
+    }
+  }
+
+  /// What a ray of a rule meets first from outside, in the head's frame.
+  static std::optional<Vec3> meet(const Bvh& at, const Eigen::Isometry3d& back, const Vec3& from, const Vec3& look,
+                                  double length) {
+    std::array<Bvh::LineHit, 8> hit;
+    const int hits = at.line(back * from, back.linear() * look, 0, length, hit);
+    for (int k = 0; k < std::min(hits, 8); ++k)
+      if (hit[size_t(k)].from_outside) return from + hit[size_t(k)].t * look;
+    return std::nullopt;
+  }
+
+  /// Along v the place where a parabola through the heights around `best` is highest, `wide_mm` to either side; three
+  /// lines beside one another take part. `best` where it has no top there, or the profile is none (an edge, a tip).
+  Vec3 top_of_parabola(const Bvh& at, const Eigen::Isometry3d& back, Vec3 best, const Vec3& look, const Vec3& u,
+                       const Vec3& v, const Vec3& score, double back_mm, double wide, double& flat_mm) const {
+    constexpr int kTo = 6, kRounds = 3;
+    constexpr double kBeside_mm = 3, kLeaves_mm = 0.35;
+    const Vec3 first = best;
+    for (int round = 0; round < kRounds; ++round) {
+      Mat3 A = Mat3::Zero();
+      Vec3 b = Vec3::Zero();
+      double square = 0;
+      int count = 0;
+      for (const double beside : {-kBeside_mm, 0., kBeside_mm})
+        for (int i = -kTo; i <= kTo; ++i) {
+          const double t = double(i) / kTo;
+          const auto p =
+              meet(at, back, best + beside * u + t * wide * v - back_mm * look, look, back_mm + kPastPlace_mm);
+          if (!p) continue;
+          const Vec3 J(1, t, t * t);
+          const double s = (*p - first).dot(score);
+          A += J * J.transpose(), b += s * J, square += s * s, ++count;
+        }
+      if (count < 2 * kTo) return first;
+      const Vec3 c = A.ldlt().solve(b);
+      const double left = std::sqrt(std::max(0., square - b.dot(c)) / count);
+      if (!(c[2] < 0) || !(left < kLeaves_mm)) return first;
+      flat_mm = std::min(kMostFlat_mm, wide * std::sqrt(kUnseen * patient.voxel_mm / -c[2]));
+      const double t = std::clamp(-0.5 * c[1] / c[2], -1., 1.);
+      const auto p = meet(at, back, best + t * wide * v - back_mm * look, look, back_mm + kPastPlace_mm);
+      if (!p) return first;
+      best = *p;
+      if (std::abs(t) < 0.02) break;
+    }
+    return (best - first).norm() <= 2 * wide ? best : first;
   }
 
   /// The same search as on the synthetic head (head_landmarks.cpp), with rays that meet triangles; in the head's frame.
   std::optional<Vec3> seek(const Bvh& at, const Eigen::Isometry3d& back, const Vec3& place, const Vec3& look,
-                           const Vec3& score, const LandmarkRule& r) const {
+                           const Vec3& score, const LandmarkRule& r, double& flat_mm) const {
+    flat_mm = 0;
     const Vec3 helper = std::abs(look.x()) > 0.9 ? Vec3::UnitY() : Vec3::UnitX();
     const Vec3 u = (helper - helper.dot(look) * look).normalized(), v = look.cross(u);
     const double most_a = r.reach_mm[0] > 0 ? r.reach_mm[0] + kSlack_mm : 0,
@@ -239,6 +330,9 @@ struct Seeker {
         }
       a0 = best_a, b0 = best_b, ra *= 0.5, rb *= 0.4;
     }
+    const bool profile = most_a == 0 && std::abs(score.normalized().dot(look)) > 0.99;
+    if (best && profile)
+      best = top_of_parabola(at, back, *best, look, u, v, score, r.back_mm, kProfile * r.reach_mm[1], flat_mm);
     return best;
   }
 
@@ -248,13 +342,15 @@ struct Seeker {
         out.missing.push_back(n.name);
         continue;
       }
-      const double moved = (n.at_mm - n.first_mm).norm();
-      const double sd = std::sqrt(0.25 * patient.voxel_mm * patient.voxel_mm / 3 + moved * moved / 12 + 0.09);
-      out.landmark.push_back({n.name, out.to_head * n.at_mm, sd, n.rule->surface == LandmarkRule::Surface::skin});
+      const double moved = n.mirrored ? kMirror_mm : n.from_canal ? 0 : (n.at_mm - n.first_mm).norm();
+      const double sd = std::sqrt(0.25 * patient.voxel_mm * patient.voxel_mm / 3 + moved * moved / 12 +
+                                  n.flat_mm * n.flat_mm / 3 + 0.09);
+      out.landmark.push_back(
+          {n.name, out.to_head * n.at_mm, sd, n.rule->surface == LandmarkRule::Surface::skin, n.mirrored});
     }
     // The sella is a stated place of the synthetic head and lies on no surface that is sought.
     for (const auto& [name, at] : atlas.landmarks)
-      if (name == "S") out.landmark.push_back({"S", out.to_head * skull_map(at), 3, false});
+      if (name == "S") out.landmark.push_back({"S", out.to_head * skull_map(at), 3, false, false});
     const Mat3& R = out.to_head.linear();
     out.yaw_deg = elementary::atan2(R(1, 0), R(1, 1)) * 180 / M_PI;
     out.pitch_deg = elementary::asin(std::clamp(R(2, 1), -1., 1.)) * 180 / M_PI;

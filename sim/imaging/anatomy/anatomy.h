@@ -5,15 +5,20 @@
 //               mandible upon the mandible; every landmark has a first place then
 //   by rule     each landmark is sought on the patient's own surface near that place by the rule that defines it: rays
 //               of one direction, of the places met the farthest one along another (synthetic_head.h: landmark_rules)
+//               where the rule is a deepest or foremost place of a profile, of a parabola through what lies around it:
+//               profiles are flat there, and the one farthest place is that of noise
+//   porion      the upper rim of the bony ear canal where the picture shows one; else by rule
+//   pairs       one that no ray meets is sought on bone where its fellow's mirror image lies, and said to be so
 //   frame       x across the plane of symmetry of the skull (laid upon its own mirror image), the Frankfort horizontal
 //               through both porions and the orbitals flat, origin midway between the porions; then rules once more
 //
 // How far a landmark may be off (`sd_mm` per coordinate) is stated from how far its rule moved it from where the laid
-// skull has it, the residual of that skull, and the size of a voxel.
+// skull has it, how flat the profile is on which it was sought, and the size of a voxel.
 #include <string>
 #include <vector>
 
 #include "sim/base/workers.h"
+#include "sim/imaging/io/volume.h"
 #include "sim/imaging/register/superposition.h"
 #include "sim/imaging/synthetic/synthetic_head.h"
 
@@ -23,6 +28,9 @@ struct AnatomySurfaces {
   Surface skull, mandible, skin;  // right, forwards, up, about upright; mandible and skin may be empty
   Vec3 brain_mm = Vec3::Zero();   // the middle of its hollow
   double voxel_mm = 1;            // the longest side
+  // The picture, left, posterior, superior: ear canals are looked for in it (ear_canal.h). May be null.
+  const Volume* volume = nullptr;
+  double offset = 0, bone_HU = 250;  // what its numbers are above Hounsfield units; above it is bone
 };
 
 struct FoundLandmark {
@@ -30,6 +38,7 @@ struct FoundLandmark {
   Vec3 at_mm = Vec3::Zero();
   double sd_mm = 0;
   bool on_skin = false;
+  bool mirrored = false;  // not met: the mirror image of its fellow, brought to the surface
 };
 
 struct Anatomy {
@@ -39,6 +48,7 @@ struct Anatomy {
   double skull_rms_mm = 0;                                    // of the laid skull, over the pairs that ICP kept
   double pitch_deg = 0, roll_deg = 0, yaw_deg = 0;            // of the head in the picture, from the frame of the head
   double symmetry_rms_mm = 0;                                 // of the skull against its mirror image
+  int ear_canals = 0;                                         // that porions were taken from
 };
 
 /// `atlas`: make_head({}). Throws InputError where the skull cannot be laid upon, with ICP's reason.

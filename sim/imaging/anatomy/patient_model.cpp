@@ -99,13 +99,20 @@ PatientModel make_patient(const Volume& given, const PatientSettings& s, const H
     l.grid_mm = own.step_mm, l.edge_mm = s.edge_mm;
     b.mesh = mesh_level_set(surface_of(own), l, workers, &b.surface);
     // The picture between voxels that were there, not smoothed: smoothing is one more blur.
-    b.cortex = put_on_cortex(b.mesh, out.bone_volume, compact, std::max(4., 2.5 * longest), workers,
-                             out.bone_volume.size == given.size ? 0 : longest);
+    b.cortex = out.bone_volume.size == given.size
+                   ? put_on_cortex(b.mesh, given, compact, std::max(4., 2.5 * longest), workers)
+                   : put_on_cortex_in_slices(b.mesh, given, compact, out.offset, workers,
+                                             out.bone.empty() ? nullptr : &out.bone.front().cortex);
     b.mesh.axes = simplex::Axes::left_posterior_superior;
     simplex::turn_to_head(b.mesh);
     b.volume_cm3 = 1e-3 * simplex::extent(b.mesh).volume_mm3, b.genus = simplex::census(b.mesh).genus;
     out.bone.push_back(std::move(b));
   }
+  if (!out.bone.empty() && out.bone.front().cortex.cortical_sd > 0)
+    out.notes.push_back("compact bone is taken to have " +
+                        std::to_string(int(out.bone.front().cortex.cortical - out.offset)) + " HU; within " +
+                        std::to_string(int(out.bone.front().cortex.cortical_sd)) +
+                        " HU of that the slices are explained as well, and 100 HU are 0.1 mm all around");
   out.parts.of.clear();
   solid.distance = {}, solid.value = {};
   out.solid = std::move(solid);
@@ -126,10 +133,17 @@ PatientModel make_patient(const Volume& given, const PatientSettings& s, const H
   }
   a.skin = triangles_of(out.face);
   a.brain_mm = Vec3(-out.parts.brain_mm.x(), -out.parts.brain_mm.y(), out.parts.brain_mm.z()), a.voxel_mm = longest;
+  a.volume = &given, a.offset = out.offset, a.bone_HU = s.bone_HU;
   out.anatomy = find_anatomy(a, atlas, workers);
   for (PatientBone& b : out.bone) move(b.mesh, out.anatomy.to_head);
   move(out.face, out.anatomy.to_head);
   for (const std::string& n : out.parts.notes) out.notes.push_back(n);
+  out.notes.push_back(out.anatomy.ear_canals == 2 ? "the porions are the upper rims of both ear canals"
+                      : out.anatomy.ear_canals == 1
+                          ? "one ear canal is seen, its upper rim a porion; the other porion is by rule"
+                          : "no ear canals are seen: the porions are where those of a laid skull meet bone");
+  for (const FoundLandmark& l : out.anatomy.landmark)
+    if (l.mirrored) out.notes.push_back(l.name + " was not met: the mirror image of its fellow, brought to bone");
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sim/base/elementary.h"
+#include "sim/imaging/solid/cortex_move.h"
 
 namespace limberg {
 
@@ -15,6 +16,7 @@ namespace {
 constexpr int kProfileHalf = 20;  // places to either side
 constexpr int kMostIterations = 30;
 constexpr double kLeastCortex_mm = 0.1;
+constexpr double kBoxCounts = 0.5;       // of the standard deviation: a narrower box adds 1 % to it
 constexpr double kGoodFit = 0.12;        // of the contrast: a profile that leaves more is none of the three materials
 constexpr int32_t kTrialVertices = 400;  // that the blur is found with
 constexpr int kShiftRounds = 3;          // of smoothing the moves over the mesh
@@ -34,41 +36,82 @@ struct Normal {
 using Vec4 = Eigen::Vector4d;  // outer, thickness, soft, deep
 using Mat4 = Eigen::Matrix4d;
 
+/// A step that the scanner has blurred, at t from it: how much of it there is, and its slope per mm.
+struct BlurredStep {
+  double P, p;
+  BlurredStep(double t, const Spread& s) {
+    if (s.box_mm < kBoxCounts * s.sd_mm) {
+      const Normal g(t / s.sd_mm);
+      P = g.P, p = g.p / s.sd_mm;
+      return;
+    }
+    // The mean of the normal distribution over the box: x P(x) + p(x) is its integral.
+    const double half = 0.5 * s.box_mm, u = (t + half) / s.sd_mm, v = (t - half) / s.sd_mm;
+    const Normal a(u), b(v);
+    P = s.sd_mm / s.box_mm * (u * a.P + a.p - v * b.P - b.p);
+    p = (a.P - b.P) / s.box_mm;
+  }
+};
+
 struct Model {
-  std::span<const double> values;
-  double step, blur, cortical;
-  double at(size_t i) const { return (double(i) - 0.5 * double(values.size() - 1)) * step; }
+  std::span<const ProfileSample> sample;
+  Spread spread;
+  double cortical;
+  const CortexPrior* prior = nullptr;
 
   /// Sum of squares, and the normal equations.
   double residual(const Vec4& q, Mat4* A, Vec4* b) const {
     if (A) A->setZero(), b->setZero();
     double sum = 0;
-    for (size_t i = 0; i < values.size(); ++i) {
-      const Normal out((at(i) - q[0]) / blur), in((at(i) - q[0] + q[1]) / blur);
-      const double r = q[3] + (cortical - q[3]) * in.P - (cortical - q[2]) * out.P - values[i];
-      sum += r * r;
+    for (const ProfileSample& s : sample) {
+      const BlurredStep out(s.at_mm - q[0], spread), in(s.at_mm - q[0] + q[1], spread);
+      const double r = q[3] + (cortical - q[3]) * in.P - (cortical - q[2]) * out.P - s.value;
+      sum += s.weight * r * r;
       if (!A) continue;
       Vec4 J;
-      J[0] = (-(cortical - q[3]) * in.p + (cortical - q[2]) * out.p) / blur;
-      J[1] = (cortical - q[3]) * in.p / blur;
+      J[0] = -(cortical - q[3]) * in.p + (cortical - q[2]) * out.p;
+      J[1] = (cortical - q[3]) * in.p;
       J[2] = out.P;
       J[3] = 1 - in.P;
-      *A += J * J.transpose(), *b -= r * J;
+      *A += s.weight * J * J.transpose(), *b -= s.weight * r * J;
+    }
+    if (prior) {
+      const double noise2 = prior->noise * prior->noise;
+      const Vec4 at(0, prior->thickness_mm, prior->soft, prior->deep),
+          sd(prior->outer_sd_mm, prior->thickness_sd_mm, prior->soft_sd, prior->deep_sd);
+      for (int k = 0; k < 4; ++k) {
+        const double w = noise2 / (sd[k] * sd[k]), r = q[k] - at[k];
+        sum += w * r * r;
+        if (A) (*A)(k, k) += w, (*b)[k] -= w * r;
+      }
     }
     return sum;
+  }
+  double left(const Vec4& q) const {  // mean square of what the picture has beside the model
+    double sum = 0, all = 0;
+    for (const ProfileSample& s : sample) {
+      const BlurredStep out(s.at_mm - q[0], spread), in(s.at_mm - q[0] + q[1], spread);
+      const double r = q[3] + (cortical - q[3]) * in.P - (cortical - q[2]) * out.P - s.value;
+      sum += s.weight * r * r, all += s.weight;
+    }
+    return all > 0 ? sum / all : std::numeric_limits<double>::infinity();
   }
 };
 
 }  // namespace
 
-Cortex fit_cortex(std::span<const double> values, double step, double blur, double cortical) {
-  const Model m{values, step, blur, cortical};
-  const size_t n = values.size();
+Cortex fit_cortex(std::span<const ProfileSample> sample, const Spread& spread, double cortical,
+                  const CortexPrior* prior) {
+  const Model m{sample, spread, cortical, prior};
   Cortex best;
+  if (sample.size() < 5) return best;
+  const auto [first, last] =
+      std::minmax_element(sample.begin(), sample.end(), [](const auto& a, const auto& b) { return a.at_mm < b.at_mm; });
   double least = std::numeric_limits<double>::infinity();
   // From a thin cortex and from a thick one: where the deep side is dense the two are not the same valley.
   for (const double thick : {1., 4.}) {
-    Vec4 q(0, thick, values[n - 1], std::min(values[0], 0.8 * cortical));
+    Vec4 q(0, thick, last->value, std::min(first->value, 0.8 * cortical));
+    if (prior) q[2] = prior->soft, q[3] = prior->deep;
     Mat4 A;
     Vec4 b;
     double sum = m.residual(q, &A, &b), damping = 1e-2;
@@ -91,12 +134,19 @@ Cortex fit_cortex(std::span<const double> values, double step, double blur, doub
     if (sum < least) {
       least = sum;
       best.outer_mm = q[0], best.inner_mm = q[0] - q[1], best.soft = q[2], best.deep = q[3];
+      best.rms = std::sqrt(m.left(q));
     }
   }
-  best.rms = std::sqrt(least / double(n));
-  best.found = std::abs(best.outer_mm) < 0.5 * double(n - 1) * step && best.soft < cortical &&
+  best.found = best.outer_mm > first->at_mm && best.outer_mm < last->at_mm && best.soft < cortical &&
                best.rms < kGoodFit * (cortical - best.soft);
   return best;
+}
+
+Cortex fit_cortex(std::span<const double> values, double step, double blur, double cortical) {
+  std::vector<ProfileSample> sample(values.size());
+  for (size_t i = 0; i < values.size(); ++i)
+    sample[i] = {(double(i) - 0.5 * double(values.size() - 1)) * step, values[i], 1};
+  return fit_cortex(sample, {blur, 0}, cortical);
 }
 
 double Blur::along(const Vec3& normal) const {
@@ -115,59 +165,21 @@ Blur blur_of(const Volume& v, double point_mm) {
   return b;
 }
 
-CortexReport put_on_cortex(simplex::Mesh& m, const Volume& v, const std::vector<double>& densities, double reach,
-                           Workers& workers, double slice_mm) {
-  CortexReport out;
-  const VolumeSampler sampler(v);
-  const size_t slots = size_t(m.slots());
-  std::vector<Vec3> normal(slots, Vec3::Zero());
+namespace cortex {
+
+std::vector<Vec3> normals_of(const simplex::Mesh& m) {
+  std::vector<Vec3> normal(size_t(m.slots()), Vec3::Zero());
   for (int32_t i = 0; i < m.slots(); ++i)
-    if (m.alive(i)) {
-      const simplex::LocalFrame f = m.frame(i);
-      if (!f.degenerate) normal[size_t(i)] = f.N;
-    }
-  const double step = reach / kProfileHalf;
-  const auto look = [&](size_t i, double point, double density) {
-    std::array<double, 2 * kProfileHalf + 1> f{};
-    for (int k = -kProfileHalf; k <= kProfileHalf; ++k)
-      f[size_t(k + kProfileHalf)] = sampler.value(m.x_mm[i] + k * step * normal[i]);
-    Blur blur = blur_of(v, point);
-    const Cortex first = fit_cortex(f, step, blur.along(normal[i]), density);
-    if (!(slice_mm > 0)) return first;
-    blur.variance_mm2[2] = slice_mm * slice_mm * (1. / 12 + 1. / 6) + point * point;
-    const Cortex tall = fit_cortex(f, step, blur.along(normal[i]), density);
-    return tall.rms < first.rms ? tall : first;
-  };
-  // The density and the blur that leave the least at some of the vertices.
-  double least = std::numeric_limits<double>::infinity(), cortical = densities.front();
-  std::vector<size_t> some;
-  const size_t stride = std::max<size_t>(1, slots / kTrialVertices);
-  for (size_t i = 0; i < slots; i += stride)
-    if (m.alive(int32_t(i)) && normal[i] != Vec3::Zero()) some.push_back(i);
-  std::vector<double> rms(some.size());
-  for (const double density : densities)
-    for (const double point : {0.3, 0.45, 0.6, 0.75, 0.9, 1.1, 1.3}) {
-      workers.parallel_for(some.size(), 16, [&](size_t b, size_t e) {
-        for (size_t k = b; k < e; ++k) rms[k] = look(some[k], point, density).rms;
-      });
-      if (rms.empty()) break;
-      std::nth_element(rms.begin(), rms.begin() + std::ptrdiff_t(rms.size() / 2), rms.end());
-      if (rms[rms.size() / 2] < least) least = rms[rms.size() / 2], out.point_mm = point, cortical = density;
-    }
-  out.cortical = cortical;
-  std::vector<double> shift(slots, 0);
-  std::vector<uint8_t> found(slots, 0);
-  out.cortex_mm.assign(slots, std::numeric_limits<float>::quiet_NaN());
-  workers.parallel_for(slots, 256, [&](size_t b, size_t e) {
-    for (size_t i = b; i < e; ++i) {
-      if (!m.alive(int32_t(i)) || normal[i] == Vec3::Zero()) continue;
-      const Cortex c = look(i, out.point_mm, cortical);
-      if (!c.found) continue;
-      found[i] = 1, shift[i] = c.outer_mm, out.cortex_mm[i] = float(c.outer_mm - c.inner_mm);
-    }
-  });
-  // Vertices without an answer, and ones that stand out of their neighbours, follow these.
+    if (m.alive(i))
+      if (const simplex::LocalFrame f = m.frame(i); !f.degenerate) normal[size_t(i)] = f.N;
+  return normal;
+}
+
+void move_to(simplex::Mesh& m, const std::vector<Vec3>& normal, std::vector<double> shift, std::vector<uint8_t> found,
+             double reach, CortexReport& out) {
+  const size_t slots = size_t(m.slots());
   std::vector<double> next(slots, 0);
+  const std::vector<uint8_t> own = found;
   for (int round = 0; round < kShiftRounds; ++round) {
     for (size_t i = 0; i < slots; ++i) {
       if (!m.alive(int32_t(i))) continue;
@@ -190,20 +202,62 @@ CortexReport put_on_cortex(simplex::Mesh& m, const Volume& v, const std::vector<
       if (!found[i] && shift[i] != 0) found[i] = 2;
   }
   std::vector<float> cortex;
+  out.vertices = out.found = 0;
+  double sum = 0;
   for (size_t i = 0; i < slots; ++i) {
     if (!m.alive(int32_t(i))) continue;
-    ++out.vertices, out.found += found[i] == 1;
-    out.shift_mm += shift[i];
+    ++out.vertices, out.found += own[i] == 1;
+    sum += shift[i];
     m.x_mm[i] += shift[i] * normal[i];
     if (std::isfinite(out.cortex_mm[i])) cortex.push_back(out.cortex_mm[i]);
   }
-  if (out.vertices > 0) out.shift_mm /= out.vertices;
+  if (out.vertices > 0) out.shift_mm += sum / out.vertices;
   if (!cortex.empty()) {
     std::nth_element(cortex.begin(), cortex.begin() + std::ptrdiff_t(cortex.size() / 2), cortex.end());
     out.thickness_mm = double(cortex[cortex.size() / 2]);
   }
   m.before_mm = m.x_mm;
   simplex::record_shape(m);
+}
+
+std::vector<size_t> some_of(const std::vector<size_t>& all) {
+  std::vector<size_t> some;
+  const size_t stride = std::max<size_t>(1, all.size() / size_t(kTrialVertices));
+  for (size_t k = 0; k < all.size(); k += stride) some.push_back(all[k]);
+  return some;
+}
+
+}  // namespace cortex
+
+CortexReport put_on_cortex(simplex::Mesh& m, const Volume& v, const std::vector<double>& densities, double reach,
+                           Workers& workers) {
+  CortexReport out;
+  const VolumeSampler sampler(v);
+  const size_t slots = size_t(m.slots());
+  const std::vector<Vec3> normal = cortex::normals_of(m);
+  const double step = reach / kProfileHalf;
+  const auto look = [&](size_t i, double point, double density) {
+    std::array<double, 2 * kProfileHalf + 1> f{};
+    for (int k = -kProfileHalf; k <= kProfileHalf; ++k)
+      f[size_t(k + kProfileHalf)] = sampler.value(m.x_mm[i] + k * step * normal[i]);
+    return fit_cortex(f, step, blur_of(v, point).along(normal[i]), density);
+  };
+  std::vector<size_t> all;
+  for (size_t i = 0; i < slots; ++i)
+    if (m.alive(int32_t(i)) && normal[i] != Vec3::Zero()) all.push_back(i);
+  cortex::find_scanner(cortex::some_of(all), densities, look, workers, out);
+  std::vector<double> shift(slots, 0);
+  std::vector<uint8_t> found(slots, 0);
+  out.cortex_mm.assign(slots, std::numeric_limits<float>::quiet_NaN());
+  workers.parallel_for(all.size(), 256, [&](size_t b, size_t e) {
+    for (size_t k = b; k < e; ++k) {
+      const size_t i = all[k];
+      const Cortex c = look(i, out.point_mm, out.cortical);
+      if (!c.found) continue;
+      found[i] = 1, shift[i] = c.outer_mm, out.cortex_mm[i] = float(c.outer_mm - c.inner_mm);
+    }
+  });
+  cortex::move_to(m, normal, std::move(shift), std::move(found), reach, out);
   return out;
 }
 

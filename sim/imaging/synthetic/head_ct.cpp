@@ -16,7 +16,10 @@ constexpr double kCortex_mm = 2.2, kSkin_mm = 2.5, kFat_mm = 5;
 /// Part of a voxel that lies inside, from the distance of its centre.
 double share(double distance, double voxel) { return std::clamp(0.5 - distance / voxel, 0., 1.); }
 
-double density(const HeadShape& h, const Vec3& p, double voxel, bool sinuses) {
+constexpr double kCanal_mm = 4;  // radius
+const shape::Capsule kCanal({90, 0, -kCanal_mm}, {44, 0, -kCanal_mm}, kCanal_mm, kCanal_mm);
+
+double density(const HeadShape& h, const Vec3& p, double voxel, const HeadCt& c) {
   const double skin = h.skin(p);
   if (skin > voxel) return kAir;
   double v = kMuscle;
@@ -27,7 +30,8 @@ double density(const HeadShape& h, const Vec3& p, double voxel, bool sinuses) {
   v += (kAir - v) * share(h.airway(p), voxel) * share(skin + 6, voxel);
   const double bone = h.bone(p);
   if (bone < voxel) v += (kCortical + (kDiploe - kCortical) * share(bone + kCortex_mm, 1) - v) * share(bone, voxel);
-  if (sinuses) v += (kAir - v) * share(h.sinus(p), voxel);
+  if (c.ear_canals) v += (kAir - v) * share(kCanal({std::abs(p.x()), p.y(), p.z()}), voxel);
+  if (c.sinuses) v += (kAir - v) * share(h.sinus(p), voxel);
   return kAir + (v - kAir) * share(skin, voxel);
 }
 
@@ -67,12 +71,28 @@ void blur(Volume& v, double sigma_voxels, Workers& workers) {
   }
 }
 
+Volume averaged(const Volume& v, int n) {
+  Volume out = v;
+  out.size[2] = v.size[2] / n;
+  out.step_mm.col(2) *= n, out.origin_mm += 0.5 * (n - 1) * v.step_mm.col(2);
+  out.value.clear();
+  for (int32_t k = 0; k < out.size[2]; ++k)
+    for (int32_t j = 0; j < v.size[1]; ++j)
+      for (int32_t i = 0; i < v.size[0]; ++i) {
+        double sum = 0;
+        for (int32_t s = 0; s < n; ++s) sum += double(v.value[v.index(i, j, k * n + s)]) / n;
+        out.value.push_back(float(sum));
+      }
+  return out;
+}
+
 }  // namespace
 
 Volume head_ct(const HeadSpec& spec, double voxel, Workers& workers, const HeadCt& c) {
   if (!(voxel >= 0.3 && voxel <= 10)) throw InputError("", 0, "a voxel of a synthetic CT has 0.3 to 10 mm");
   if (!(c.blur_mm >= 0 && c.blur_mm <= 10) || !(c.noise_HU >= 0 && c.noise_HU <= 1000))
     throw InputError("", 0, "a blur of 0 to 10 mm and a noise of 0 to 1000 HU were expected");
+  if (c.slices_in_one < 1 || c.slices_in_one > 10) throw InputError("", 0, "1 to 10 slices in one were expected");
   const HeadShape h(spec);
   const Vec3 lo = HeadShape::low_mm(), hi = HeadShape::high_mm();
   Volume v;
@@ -101,10 +121,11 @@ Volume head_ct(const HeadSpec& spec, double voxel, Workers& workers, const HeadC
       for (int32_t k = k0; k < std::min(k0 + kSide, v.size[2]); ++k)
         for (int32_t j = j0; j < std::min(j0 + kSide, v.size[1]); ++j)
           for (int32_t i = i0; i < std::min(i0 + kSide, v.size[0]); ++i)
-            v.value[v.index(i, j, k)] = float(brain ? kBrain : density(h, place(i, j, k), voxel, c.sinuses));
+            v.value[v.index(i, j, k)] = float(brain ? kBrain : density(h, place(i, j, k), voxel, c));
     }
   });
   if (c.blur_mm / voxel > 0.15) blur(v, c.blur_mm / voxel, workers);
+  if (c.slices_in_one > 1) v = averaged(v, c.slices_in_one);
   if (c.noise_HU > 0)
     workers.parallel_for(v.value.size(), 65536, [&](size_t b, size_t e) {
       for (size_t i = b; i < e; ++i) v.value[i] += float(c.noise_HU * normal(i, c.seed));

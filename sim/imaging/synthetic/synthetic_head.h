@@ -53,6 +53,8 @@ struct HeadCt {
   double noise_HU = 15;  // standard deviation
   uint64_t seed = 1;
   bool sinuses = true;
+  bool ear_canals = false;  // of air, 8 mm wide, from the skin inwards; the top of each at the porion
+  int slices_in_one = 1;    // so many are averaged: tall slices, their height a box
 };
 /// Air -1000, fat -90, muscle and skin 45, brain 35, fat of the
 /// orbit -60, eye 20, cortical bone 1100, diploe 450 (deeper than

@@ -68,7 +68,19 @@ Outcome FaceModel::connect(const Mesh& bones, FaceTissuePlan plan, const Mesh* a
     return refuse("finite elements need a stiffness above 0 kPa");
   TissueSettings s;
   s.layers = plan.layers, s.young_kPa = plan.young_kPa, s.max_thickness_mm = settings_.max_thickness_mm;
+  if (plan.mode == TissueKind::finite_elements) s.floor = plan.floor, s.mend = plan.mend;
   TissueResult built = build_tissue(face_, plan.face_region, bones, plan.skull_region, s, *workers_);
+  // Vertices over columns that cannot be mended are left out, until the rest stands.
+  const size_t asked = plan.face_region.size();
+  while (!built && !built.unsound.empty()) {
+    std::vector<int32_t> bad = std::move(built.unsound), rest = plan.face_region;
+    std::sort(bad.begin(), bad.end());
+    std::erase_if(rest, [&](int32_t v) { return std::binary_search(bad.begin(), bad.end(), v); });
+    rest = patch_of(face_, std::move(rest));
+    if (double(rest.size()) < (1 - plan.leave_out) * double(asked)) break;
+    plan.face_region = std::move(rest);
+    built = build_tissue(face_, plan.face_region, bones, plan.skull_region, s, *workers_);
+  }
   if (built && settings_.elasticity.skin_kPa > 0 && plan.young_kPa > 0 && plan.mode != TissueKind::finite_elements) {
     // The skin's share of the top layer is known once there is one.
     s.skin_kPa = top_layer_kPa(built.tissue, plan.young_kPa, settings_.elasticity);
@@ -163,7 +175,43 @@ void FaceModel::zones() {
   for (const Region& r : region_)
     if (r.plan.mode == TissueKind::finite_elements)
       for (int32_t v : r.face_vertex) face_.zone[size_t(v)] = kCarried;
+  // Tissue that is not elastic pulls at the free vertices; that holds them.
+  if (any(true) && !any(false) && !shape_rests())
+    for (uint16_t& z : face_.zone)
+      if (z == kFree) z = kEvened;
   ++face_.version;
+}
+
+bool FaceModel::shape_rests() const {
+  constexpr double kPush_mm = 1e-3;  // small beside edges of a few mm: the constraint is as good as linear
+  constexpr int kWarm = 100, kMore = 100;
+  Mesh m = face_;
+  m.x_mm = rest_mm_;
+  uint64_t state = 1;  // of Knuth's generator (MMIX): any start that has a share of every motion will do
+  const auto push = [&] {
+    state = state * 6364136223846793005ull + 1442695040888963407ull;
+    return kPush_mm * (double(state >> 11) / 9007199254740992. - 0.5);
+  };
+  for (int32_t v = 0; v < m.slots(); ++v)
+    if (m.alive(v) && m.zone[size_t(v)] == kFree) m.x_mm[size_t(v)] += Vec3(push(), push(), push());
+  m.before_mm = m.x_mm;
+  ++m.version;
+  // Without inertia and half of the way at a time: what the constraint shrinks shrinks, what it stretches grows.
+  Law law;
+  law.gamma = 1, law.zone.resize(3), law.zone[kFree] = {Constraint::shape, 0.5, 0, 1, false};
+  law.zone[kCarried].fixed = law.zone[kFar].fixed = true;
+  Motion motion(*workers_);
+  if (!motion.set_law(law)) return false;
+  const auto off = [&] {
+    double sum = 0;
+    for (int32_t v = 0; v < m.slots(); ++v)
+      if (m.alive(v) && m.zone[size_t(v)] == kFree) sum += (m.x_mm[size_t(v)] - rest_mm_[size_t(v)]).squaredNorm();
+    return sum;
+  };
+  for (int i = 0; i < kWarm; ++i) motion.step(m);
+  const double before = off();
+  for (int i = 0; i < kMore; ++i) motion.step(m);
+  return off() <= before;
 }
 
 std::vector<const Tissue*> FaceModel::tissues() const {

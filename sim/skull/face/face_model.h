@@ -20,7 +20,10 @@
 // sections; their top layer is skin and fat, as that of the finite elements.
 //
 // Vertices of the face that no region covers follow by the shape constraint alone up to `transition_mm` from
-// a region; those farther off stay where they are. Vertices over finite elements go where these put them.
+// a region; those farther off stay where they are. Vertices over finite elements go where these put them. Where the
+// shape constraint alone does not come to rest (feet outside of their neighbours' triangles, as along ears and rims of
+// fitted skin: a disturbance grows from iteration to iteration), these vertices move as the mean of their neighbours
+// does (Laplace's equation for the displacement, which has one solution and always comes to rest).
 //
 // Bones that all move as one rigid body take the whole face with them as it is: a head that turns.
 //
@@ -46,7 +49,14 @@ struct FaceTissuePlan {
   int layers = 1;
   double young_kPa = 10;
   TissueKind mode = TissueKind::finite_elements;
+  TissueFloor floor;  // of finite elements; TissueSettings has the meaning of both
+  bool mend = false;
+  double leave_out = 0;  // share of face_region, at most, that is left out where columns cannot be mended
 };
+
+/// What the shipped heads' tissues meet without mending, and what every tissue has met that was seen to rest: a mean
+/// ratio of .05 and 1 mm (2026-11-27). The thinnest skin of a face, that of the lids, is .5 to 1 mm thick.
+inline constexpr TissueFloor kSoundTissue{0.05, 1};
 
 struct FaceModelSettings {
   ElasticitySettings elasticity;
@@ -130,6 +140,8 @@ class FaceModel {
   };
   struct Scratch;
   void zones();
+  bool shape_rests() const;
+  double even_out();
   void turn_as_one(const Mesh& bones_now, const Eigen::Isometry3d& by);
   void make_elasticity();
   void place_elastic();

@@ -7,8 +7,9 @@
 
 namespace limberg::simplex {
 
-/// Of a vertex of the face: follows tissue and its own shape; is where the finite elements put it; stays.
-enum FaceZone : uint16_t { kFree = 0, kCarried = 1, kFar = 2 };
+/// Of a vertex of the face: follows tissue and its own shape; is where the finite elements put it; stays; moves as the
+/// mean of its neighbours does.
+enum FaceZone : uint16_t { kFree = 0, kCarried = 1, kFar = 2, kEvened = 3 };
 
 struct FaceModel::Scratch {
   explicit Scratch(Workers& w) : motion(w) {}

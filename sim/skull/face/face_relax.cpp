@@ -59,9 +59,9 @@ FaceModel::Report FaceModel::step_simplex(int iterations) {
   if (!scratch_) scratch_ = std::make_unique<Scratch>(*workers_);
   Law law;
   law.gamma = settings_.gamma, law.external_stiffness = 2;
-  law.zone.resize(3);
+  law.zone.resize(4);
   law.zone[kFree] = {Constraint::shape, settings_.alpha, settings_.beta, 1, false};
-  law.zone[kCarried].fixed = law.zone[kFar].fixed = true;
+  law.zone[kCarried].fixed = law.zone[kFar].fixed = law.zone[kEvened].fixed = true;
   if (const Admission a = scratch_->motion.set_law(law); !a) throw InputError("", 0, a.refused);
   std::vector<Vec3>& force = scratch_->force;
   // Rest is the face's: springs leave motions inside the tissue that nothing brings to an end.
@@ -82,7 +82,7 @@ FaceModel::Report FaceModel::step_simplex(int iterations) {
       out.max_move_mm = std::max(out.max_move_mm, simplex::step(r.tissue, l, *workers_).max_move_mm);
       pull_face(r.tissue, l, force);
     }
-    const double face_move = scratch_->motion.step(face_, {force, {}}).max_move_mm;
+    const double face_move = std::max(scratch_->motion.step(face_, {force, {}}).max_move_mm, even_out());
     out.max_move_mm = std::max(out.max_move_mm, face_move);
     still_ = (influence ? face_move : out.max_move_mm) < settings_.still_mm ? still_ + 1 : 0;
     if (still_ >= kStillFor) {
@@ -92,6 +92,21 @@ FaceModel::Report FaceModel::step_simplex(int iterations) {
     }
   }
   return out;
+}
+
+/// One sweep (Gauss and Seidel); the longest way that a vertex went.
+double FaceModel::even_out() {
+  double most2 = 0;
+  const auto moved = [&](int32_t v) { return Vec3(face_.x_mm[size_t(v)] - frame_ * rest_mm_[size_t(v)]); };
+  for (int32_t v = 0; v < face_.slots(); ++v) {
+    if (!face_.alive(v) || face_.zone[size_t(v)] != kEvened) continue;
+    Vec3 mean = Vec3::Zero();
+    for (const int32_t u : face_.nbr[size_t(v)]) mean += moved(u) / 3;
+    const Vec3 by = mean - moved(v);
+    face_.x_mm[size_t(v)] += by, face_.before_mm[size_t(v)] = face_.x_mm[size_t(v)];
+    most2 = std::max(most2, by.squaredNorm());
+  }
+  return std::sqrt(most2);
 }
 
 FaceModel::Report FaceModel::step(int iterations) {

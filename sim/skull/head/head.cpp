@@ -218,15 +218,14 @@ ActedOnHead Head::act(const JoinFragments& j) {
 
 namespace {
 
-// mm: skin with no bone nearer lies over none. Six tenths of what is nearest, and 5 mm, may be added where the way is
-// along the normal (tissue_build.cpp), and no tissue is thicker than 60.
-constexpr double kOverBone_mm = 34;
+// of a region that columns cannot be laid under. Ears, nostrils and lids of a whole face are less (2026-11-27).
+constexpr double kLeftOut = 0.25;
 
 /// Those vertices of a region of the face that have bone near.
 std::vector<int32_t> over_bone(const simplex::Mesh& face, std::vector<int32_t> region, const simplex::Mesh& bones) {
   const simplex::FanTriangles fan = simplex::fan_triangles(bones);
   const Bvh bvh(fan.X_mm, fan.tri);
-  std::erase_if(region, [&](int32_t v) { return bvh.closest(face.x_mm[size_t(v)], kOverBone_mm).triangle < 0; });
+  std::erase_if(region, [&](int32_t v) { return bvh.closest(face.x_mm[size_t(v)], kSkinOverBone_mm).triangle < 0; });
   return region;
 }
 
@@ -247,11 +246,19 @@ Outcome Head::connect(const ConnectTissue& t) {
         plan.skull_region.push_back(v);
     if (plan.skull_region.empty()) return refuse("there is no bone within bone_radius_mm of that place; expected some");
   }
+  plan.floor = simplex::kSoundTissue;
   Outcome o = face_.connect(placed_, plan, &bones_.mesh());
   if (!o.done) {
-    // A region that reaches a rim of the face, or skin under which there is no bone, ends before them.
+    // A region that reaches a rim of the face, or skin under which there is no bone, ends before them; columns that are
+    // thin, flat or folded are mended, or left out.
     plan.face_region = simplex::patch_of(face, over_bone(face, std::move(plan.face_region), placed_));
-    if (!plan.face_region.empty() && face_.connect(placed_, std::move(plan), &bones_.mesh()).done) o = {true, {}};
+    plan.mend = true, plan.leave_out = kLeftOut;
+    if (plan.face_region.empty()) return o;
+    const Outcome mended = face_.connect(placed_, std::move(plan), &bones_.mesh());
+    if (mended.done)
+      o = {true, {}};
+    else
+      o.reason += "; " + mended.reason;
   }
   if (o.done) state_.tissues.push_back(t);
   return o;

@@ -46,6 +46,10 @@ struct HeadParts {
   int face_iterations = 12;             // of one step
 };
 
+/// Skin with no bone nearer lies over none, and tissue ends before it. Six tenths of what is nearest, and 5 mm, may be
+/// added where the way is along the normal (tissue.h: way_to_bone), and no tissue is thicker than 60.
+inline constexpr double kSkinOverBone_mm = 34;
+
 /// The bones when the skull was laid upon another (Superpose).
 struct SkullMoment {
   std::string name;  // "1", "2", ... where none was given

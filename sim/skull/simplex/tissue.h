@@ -38,6 +38,10 @@
 #include "sim/commands/head_command.h"
 #include "sim/skull/simplex/mesh.h"
 
+namespace limberg {
+class Bvh;
+}
+
 namespace limberg::simplex {
 
 enum class TissueRole : uint8_t { inside, side, face, skull };
@@ -55,11 +59,22 @@ struct SpringLaw {
   double tangent_over_k0(double l, double l0) const;
 };
 
+/// What finite elements need of the tetrahedra that they are made of.
+struct TissueFloor {
+  double shape = 0;         // the least mean ratio (below) of a tetrahedron; 0: any that has a volume
+  double thickness_mm = 0;  // the least length of a column, from bone to skin
+};
+/// 12 (3 V)^(2/3) / (sum of the squares of the six edges): 1 for a regular tetrahedron, 0 for a flat one, below 0 for
+/// one that is turned inside out (Liu and Joe 1994, On the shape of tetrahedra from bisection; as remembered).
+double mean_ratio(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
+
 struct TissueSettings {
   int layers = 1;         // 1..16
   double young_kPa = 10;  // k_ij = E A_ij / l_ij, A_ij the primal triangle that the edge crosses; 0: all k_ij = 1 mN/mm
   double skin_kPa = 0;    // of the top layer, which is skin and fat; 0: as the others
   double max_thickness_mm = 100;  // farther is no opposite side
+  TissueFloor floor;              // a tissue below it is refused,
+  bool mend = false;              // or its feet are placed so that it is met (tissue_feet.h)
 };
 
 struct BoneAnchor {
@@ -86,13 +101,24 @@ struct Tissue {
   std::vector<Vec3> node_mm;
   std::vector<std::array<int32_t, 4>> tet;
   int layers = 0;
+  int hovering = 0;  // nodes of the lowest layer that do not stand on bone
   int32_t vertices() const { return int32_t(nbr.size()); }
 };
+
+/// How well shaped, and how thick.
+struct TissueQuality {
+  double least_ratio = 1, low_ratio = 1;                               // mean ratio: the least, and what 1 % are below
+  double thinnest_mm = 0, median_mm = 0, p95_mm = 0, thickest_mm = 0;  // lengths of columns
+  int columns = 0, hovering = 0;                                       // nodes of a layer
+};
+TissueQuality quality_of(const Tissue& tissue);
 
 /// What build_tissue answers: a tissue, or the reason why there is none.
 struct TissueResult {
   Tissue tissue;
   std::string reason;
+  // Vertices of the face over what does not meet the floor, where that is the reason; of several that touch the worst.
+  std::vector<int32_t> unsound;
   explicit operator bool() const { return reason.empty(); }
 };
 
@@ -100,9 +126,14 @@ struct TissueResult {
 /// rim. The opposite places are where the normals of the face, inwards, meet the part of the skull that `skull_region`
 /// covers (the faces around those vertices; empty: all of it), else its nearest places, evened out over the patch until
 /// every prism has a positive volume; where that is not to be had (over the mouth, say), the lowest nodes stay above
-/// the bone, carried by it. The result is smoothed and its rest shape and stiffnesses recorded.
+/// the bone, carried by it. With `mend` feet are placed one by one instead, and the thickness stays what it is where
+/// nothing folds. The result is smoothed and its rest shape and stiffnesses recorded.
 TissueResult build_tissue(const Mesh& face, std::span<const int32_t> face_region, const Mesh& skull,
                           std::span<const int32_t> skull_region, const TissueSettings& settings, Workers& workers);
+
+/// The way to the opposite side: along the normal of the face, inwards, where bone lies there and is not much farther
+/// than the nearest bone, else to that. False: none within `farthest_mm`.
+bool way_to_bone(const Bvh& bone, const Vec3& top, const Vec3& normal, double farthest_mm, Vec3& way_mm);
 
 /// Vertices within so many mm of v along edges, v first: a region as a cursor paints it.
 std::vector<int32_t> region_around(const Mesh& mesh, int32_t v, double radius_mm);

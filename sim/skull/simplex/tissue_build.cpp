@@ -2,6 +2,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <queue>
 
@@ -9,7 +10,7 @@
 #include "sim/base/hash.h"
 #include "sim/geometry/bvh.h"
 #include "sim/skull/simplex/dual.h"
-#include "sim/skull/simplex/tissue.h"
+#include "sim/skull/simplex/tissue_feet.h"
 
 namespace limberg::simplex {
 namespace {
@@ -18,13 +19,7 @@ using Tet = std::array<int32_t, 4>;
 
 double volume6(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { return (b - a).cross(c - a).dot(d - a); }
 
-/// The dual triangulation of the region.
-struct Patch {
-  std::vector<Vec3> top, normal;           // per node
-  std::vector<Tri> tri;                    // per vertex of the region, counter-clockwise from outside
-  std::vector<std::vector<int32_t>> near;  // nodes next to a node
-  std::vector<std::array<int32_t, 2>> border;
-};
+using Patch = TissuePatch;
 
 std::string make_patch(const Mesh& face, std::span<const int32_t> region, Patch& p) {
   std::map<int32_t, int32_t>
@@ -88,19 +83,12 @@ bool upright(const Patch& p, const Tri& t, const std::vector<Vec3>& bottom) {
 std::string drop(const Patch& p, const Bvh& bvh, double farthest, std::vector<Vec3>& bottom,
                  std::vector<uint8_t>& hovers) {
   constexpr int kRounds = 30, kMore = 80;
-  constexpr double kDetour = 1.6,
-                   // a normal that misses what is near is not followed (through the mouth to the palate)
-      kDetour_mm = 5;
   constexpr double kShorter = 0.85, kLeast = 0.05;
   const size_t n = p.top.size();
   std::vector<Vec3> d(n);
   for (size_t i = 0; i < n; ++i) {
-    const Bvh::Closest c = bvh.closest(p.top[i], farthest);
-    if (c.triangle < 0) return "the skull is farther from the face than " + std::to_string(farthest) + " mm";
-    d[i] = c.point_mm - p.top[i];
-    Bvh::LineHit hit;
-    if (bvh.line(p.top[i], -p.normal[i], 1e-9, kDetour * c.distance_mm + kDetour_mm, std::span(&hit, 1)) > 0)
-      d[i] = -hit.t * p.normal[i];
+    if (!way_to_bone(bvh, p.top[i], p.normal[i], farthest, d[i]))
+      return "the skull is farther from the face than " + std::to_string(farthest) + " mm";
   }
   hovers.assign(n, 0);
   std::vector<double> share(n, 1);
@@ -154,8 +142,10 @@ std::string stack_layers(const Patch& p, const std::vector<Vec3>& bottom, Tissue
     for (Tri v : p.tri) {
       std::sort(v.begin(), v.end());
       const int32_t a = l * n, b = (l + 1) * n;
-      for (Tet q : {Tet{a + v[0], a + v[1], a + v[2], b + v[2]}, Tet{a + v[0], a + v[1], b + v[1], b + v[2]},
-                    Tet{a + v[0], b + v[0], b + v[1], b + v[2]}}) {
+      for (const auto& corners : prism_tets({0, 1, 2})) {
+        Tet q{};
+        for (size_t c = 0; c < 4; ++c)
+          q[c] = corners[c] < 3 ? a + v[size_t(corners[c])] : b + v[size_t(corners[c] - 3)];
         const auto at = [&](size_t k) -> const Vec3& { return t.node_mm[size_t(q[k])]; };
         if (volume6(at(0), at(1), at(2), at(3)) < 0) std::swap(q[0], q[1]);
         if (!(volume6(at(0), at(1), at(2), at(3)) > 0))
@@ -339,7 +329,32 @@ void stiffen(Tissue& t, const TissueSettings& s) {
     }
 }
 
+std::string below(const TissueFloor& f) {
+  char words[160];
+  std::snprintf(words, sizeof words,
+                " are thinner than %.2g mm, or so flat or folded that a tetrahedron has a mean ratio below %.2g",
+                f.thickness_mm, f.shape);
+  return words;
+}
+
 }  // namespace
+
+TissueQuality quality_of(const Tissue& t) {
+  TissueQuality q;
+  if (t.layers < 1 || t.tet.empty()) return q;
+  std::vector<double> ratio, length;
+  for (const Tet& c : t.tet)
+    ratio.push_back(
+        mean_ratio(t.node_mm[size_t(c[0])], t.node_mm[size_t(c[1])], t.node_mm[size_t(c[2])], t.node_mm[size_t(c[3])]));
+  const size_t n = t.node_mm.size() / size_t(t.layers + 1), top = n * size_t(t.layers);
+  for (size_t i = 0; i < n; ++i) length.push_back((t.node_mm[top + i] - t.node_mm[i]).norm());
+  std::sort(ratio.begin(), ratio.end()), std::sort(length.begin(), length.end());
+  q.least_ratio = ratio.front(), q.low_ratio = ratio[ratio.size() / 100];
+  q.thinnest_mm = length.front(), q.median_mm = length[n / 2], q.p95_mm = length[n * 95 / 100],
+  q.thickest_mm = length.back();
+  q.columns = int(n), q.hovering = t.hovering;
+  return q;
+}
 
 std::vector<int32_t> region_around(const Mesh& m, int32_t v, double radius) {
   std::vector<int32_t> region;
@@ -425,11 +440,21 @@ TissueResult build_tissue(const Mesh& face, std::span<const int32_t> region, con
   const Ground ground{skull, std::move(fan), std::move(bvh)};
   std::vector<Vec3> bottom;
   std::vector<uint8_t> hovers;
-  if (std::string why = drop(p, ground.bvh, s.max_thickness_mm, bottom, hovers); !why.empty()) return refuse(why);
+  if (s.mend) {
+    TissueFeet feet = sound_feet(p, ground.bvh, s.max_thickness_mm, s.layers, s.floor);
+    for (const int32_t i : feet.unsound) out.unsound.push_back(region[size_t(i)]);
+    if (!feet.unsound.empty()) return refuse("columns under the face" + below(s.floor));
+    bottom = std::move(feet.bottom), hovers = std::move(feet.hovers);
+  } else if (std::string why = drop(p, ground.bvh, s.max_thickness_mm, bottom, hovers); !why.empty()) {
+    return refuse(why);
+  }
 
   Tissue& t = out.tissue;
   t.layers = s.layers;
   if (std::string why = stack_layers(p, bottom, t); !why.empty()) return refuse(why);
+  t.hovering = int(std::count_if(hovers.begin(), hovers.end(), [](uint8_t h) { return h != 0; }));
+  if (const TissueQuality q = quality_of(t); q.least_ratio < s.floor.shape || q.thinnest_mm < s.floor.thickness_mm)
+    return refuse("columns between face and bone" + below(s.floor));
   if (std::string why = Dual(t, face, region, p, ground, hovers).build(); !why.empty()) return refuse(why);
   settle(t, face, skull, workers);
   stiffen(t, s);
