@@ -30,7 +30,8 @@ void GloveHand::set_gain(double gain) {
 
 bool GloveHand::free() const {
   const SecondHand& h = virtual_.state();
-  return !hand_.closed && h.held_hook == 0 && h.carried.holds == 0;
+  // A glove that is gone presses nothing.
+  return !(hand_.closed && hand_.valid) && h.held_hook == 0 && h.carried.holds == 0;
 }
 
 void GloveHand::read(int64_t now_ns) {
@@ -42,6 +43,7 @@ void GloveHand::read(int64_t now_ns) {
 
 Pose GloveHand::push_cursor(const Snapshot& s, Ground ground, bool clutch) {
   opening_.tick(hand_);
+  if (s.topology && !s.topology->body) ground = Ground::bone;  // as where a hand points (virtual_hand.h)
   cursor_.set_ground(ground);
   Pose finger = hand_.forefinger;
   finger.valid = hand_.valid;

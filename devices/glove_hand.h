@@ -33,7 +33,7 @@ class GloveHand {
   bool closed() const { return hand_.closed; }
 
   /// The tool comes into this hand, or goes from it; the cursor is put anew.
-  void take_tool() { cursor_.remove(); }
+  void take_tool() { cursor_.remove(), opening_ = {}; }
   /// The cursor follows; the pose of the tool, which is at the cursor.
   Pose push_cursor(const Snapshot& s, Ground ground, bool clutch);
   /// Whether the tool is pressed, and how often that has changed since the last tick.

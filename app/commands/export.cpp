@@ -117,7 +117,7 @@ class Moments {
 };
 
 /// The operation whose result lies in a folder, carried out once more.
-void of_folder(const ExportOptions& o, std::string& scene_name, std::vector<ExportedMoment>& out) {
+int of_folder(const ExportOptions& o, std::string& scene_name, std::vector<ExportedMoment>& out) {
   using result_json::member;
   const std::string file = o.input + "/" + report_names::result;
   const nlohmann::json r = nlohmann::json::parse(read_whole_file(file, kMostResultBytes, "a result"), nullptr, false);
@@ -147,11 +147,13 @@ void of_folder(const ExportOptions& o, std::string& scene_name, std::vector<Expo
   set.on_done = [&](const ScriptLine& l, const std::string&) {
     if (const auto* s = std::get_if<Stage>(&l.command)) moments.stage(*world, s->name);
   };
-  operate(patient, script, set);
+  const OperationOutcome done = operate(patient, script, set);
   progress.clear();
+  if (done.interrupted) return kGoalMissed;
   moments.end(*world);
   moments.check();
   scene_name = scene.name, out = std::move(moments.out);
+  return kDone;
 }
 
 /// A session, replayed.
@@ -172,7 +174,10 @@ int of_recording(const ExportOptions& o, std::string& scene_name, std::vector<Ex
     else if (const auto* s = std::get_if<Stage>(act))
       moments->stage(world, s->name);
   };
-  const int status = run_session(std::move(call), [&](Result&, Assembly& a) { moments->end(*a.world); });
+  const int status = run_session(std::move(call), [&](Result&, Assembly& a) {
+    if (!interrupted()) moments->end(*a.world);
+  });
+  if (interrupted()) return kGoalMissed;
   moments->check();
   out = std::move(moments->out);
   return status;
@@ -181,6 +186,9 @@ int of_recording(const ExportOptions& o, std::string& scene_name, std::vector<Ex
 int run_export(const ExportOptions& o) {
   o.common.prepare();
   if (o.common.out_dir.empty()) throw InputError("", 0, "export: expected --out DIR, a folder for the files");
+  std::error_code same;
+  if (std::filesystem::equivalent(o.input, o.common.out_dir, same))
+    throw InputError(o.input, 0, "is the folder of --out too, where its result would be lost; expected another");
   prepare_folder(o.common.out_dir);
   catch_interrupts();
   std::string scene;
@@ -188,9 +196,13 @@ int run_export(const ExportOptions& o) {
   std::error_code ec;
   int status = kDone;
   if (std::filesystem::is_directory(o.input, ec))
-    of_folder(o, scene, moments);
+    status = of_folder(o, scene, moments);
   else
     status = of_recording(o, scene, moments);
+  if (interrupted()) {
+    say("export: interrupted; what has been written to " + o.common.out_dir + " until then is kept, and no more");
+    return kGoalMissed;
+  }
   Result r("export", scene);
   ResultExport out{o.input, o.at, o.frame, {}, this_call()};
   for (const ExportedMoment& m : moments) {

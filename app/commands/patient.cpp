@@ -200,8 +200,13 @@ void write_files(const PatientOptions& o, const PatientModel& p, double reach_mm
   if (p.face.slots() > 0) simplex::save_mesh(p.face, dir + "/face.simplex");
   write_whole_file(dir + "/patient.toml",
                    patient_scene(p, reach_mm, "From " + fs::path(o.input).lexically_normal().filename().string()));
-  for (const PlannedOperation& x : planned)
-    if (x.made()) write_whole_file(dir + "/" + x.name + ".jsonl", to_text(x.script));
+  for (const PlannedOperation& x : planned) {
+    const std::string file = dir + "/" + x.name + ".jsonl";
+    if (x.made())
+      write_whole_file(file, to_text(x.script));
+    else if (std::error_code ec; fs::exists(file, ec))  // of an earlier patient in this folder
+      fs::remove(file, ec);
+  }
 }
 
 std::vector<std::string> missed(const PatientModel& p, double found) {

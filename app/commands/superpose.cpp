@@ -239,9 +239,10 @@ Surface later_bone(const SuperposeOptions& o, Workers& workers) {
 /// A later scan against a plan.
 int against_plan(const SuperposeOptions& o, Result& result, ResultSuperposition& found, Workers& workers,
                  Progress& progress) {
-  if (!o.b.empty() || o.mirror || o.scale || !o.landmarks.empty())
+  if (!o.b.empty() || o.mirror || o.scale || o.landmarks_only || !o.landmarks.empty())
     throw InputError("", 0,
-                     "superpose: --plan takes one later scan alone; expected no B, --mirror, --scale, --landmarks");
+                     "superpose: --plan takes one later scan alone; expected no B, --mirror, --scale, --landmarks, "
+                     "--landmarks-only");
   constexpr double kMoved_mm = 0.5;
   const std::vector<PlannedFragment> plan = read_plan(o.plan);
   const Surface later = later_bone(o, workers);

@@ -1,8 +1,10 @@
 #include "app/export/achieved.h"
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "app/result/read_result.h"
 #include "sim/base/error.h"
@@ -43,12 +45,22 @@ Surface joined(const Surface& s) {
   return out;
 }
 
+/// Of the vertex that is farthest from the middle.
+double reach_mm(const Surface& s) {
+  const Vec3 middle = middle_of(s);
+  double most = 0;
+  for (const Vec3& x : s.x_mm) most = std::max(most, (x - middle).norm());
+  return most;
+}
+
 }  // namespace
 
 Achieved planned_against_achieved(const std::vector<PlannedFragment>& plan, const Surface& later, double moved_mm,
                                   Workers& workers) {
   Achieved out;
-  const auto stays = [&](const PlannedFragment& f) { return f.fixed || f.planned_mm.norm() < moved_mm; };
+  const auto stays = [&](const PlannedFragment& f) {
+    return f.fixed || f.planned_mm.norm() + f.planned_deg * std::numbers::pi / 180 * reach_mm(f.surface) < moved_mm;
+  };
   Surface skull;
   for (const PlannedFragment& f : plan)
     if (f.fixed) append_surface(skull, f.surface);
@@ -102,6 +114,7 @@ std::vector<PlannedFragment> read_plan(const std::string& folder) {
     if (!way.is_array() || way.size() != 3 || !files.is_array() || files.empty())
       throw InputError(file, 0, "a fragment lacks its files or its move; expected what `limberg export` writes");
     for (size_t k = 0; k < 3; ++k) f.planned_mm[Eigen::Index(k)] = result_json::number(way[k]).value_or(0);
+    f.planned_deg = result_json::number(member(j, "turned_deg")).value_or(0);
     const std::string name = result_json::words(files[0]);
     if (name.empty() || name.find('/') != std::string::npos)
       throw InputError(file, 0, "a fragment's file is no plain name; expected one beside the plan");

@@ -17,6 +17,7 @@ struct PlannedFragment {
   Surface surface;  // as it was planned to lie, in the head's frame
   bool fixed = false;
   Vec3 planned_mm = Vec3::Zero();  // of its middle: how far the plan moves it
+  double planned_deg = 0;          // and turns it
 };
 
 struct AchievedFragment {
@@ -33,7 +34,7 @@ struct Achieved {
   std::vector<AchievedFragment> fragments;  // those that were to be moved
 };
 
-/// `moved_mm`: fragments that the plan moves less are taken for such that stay.
+/// `moved_mm`: fragments no place of which the plan moves as far are taken for such that stay.
 Achieved planned_against_achieved(const std::vector<PlannedFragment>& plan, const Surface& later, double moved_mm,
                                   Workers& workers);
 

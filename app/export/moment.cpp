@@ -19,18 +19,18 @@ namespace limberg {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using PlanJson = nlohmann::ordered_json;
 
 constexpr double kPlateRadius_mm = 1;
 constexpr int kPlateSides = 12;
 
-Json json_of(const Mat3& R) {
-  Json rows = Json::array();
+PlanJson json_of(const Mat3& R) {
+  PlanJson rows = PlanJson::array();
   for (int i = 0; i < 3; ++i) rows.push_back({R(i, 0), R(i, 1), R(i, 2)});
   return rows;
 }
-Json json_of(const Vec3& v) { return Json::array({v.x(), v.y(), v.z()}); }
-Json json_of(const Eigen::Isometry3d& m) {
+PlanJson json_of(const Vec3& v) { return PlanJson::array({v.x(), v.y(), v.z()}); }
+PlanJson json_of(const Eigen::Isometry3d& m) {
   return {{"rotation", json_of(Mat3(m.linear()))}, {"translation_mm", json_of(Vec3(m.translation()))}};
 }
 
@@ -88,9 +88,19 @@ class Exporter {
   }
 
  private:
-  const ExportedFile& leave(const std::string& name, Surface s) {
+  /// Two fragments may have one name, or names that differ in what a file name cannot hold.
+  std::string unused(const std::string& wanted) const {
+    const auto taken = [&](const std::string& n) {
+      return std::any_of(out.files.begin(), out.files.end(), [&](const ExportedFile& f) { return f.file == n; });
+    };
+    std::string name = wanted;
+    for (int k = 2; taken(name); ++k) name = wanted + "-" + std::to_string(k);
+    return name;
+  }
+  const ExportedFile& leave(const std::string& wanted, Surface s) {
     if (settings_.in_picture) move(s, *picture_);
     const SolidFigures f = solid_figures(s);
+    const std::string name = unused(wanted);
     write_whole_file(out.folder + "/" + name + ".stl", stl_bytes(s, "limberg " + name + ", mm"));
     write_whole_file(out.folder + "/" + name + ".ply", ply_bytes(s, "limberg " + name + ", mm"));
     out.files.push_back({name, int64_t(s.tri.size()), f.closed(), f.closed() ? f.volume_mm3 : 0});
@@ -105,7 +115,7 @@ class Exporter {
       plan_["frames"]["picture"] = "left, posterior, superior, as the CT has its places, mm";
       plan_["picture_from_head"] = json_of(*picture_);
     }
-    plan_["fragments"] = Json::array();
+    plan_["fragments"] = PlanJson::array();
     BoneField at_rest;
     for (const bone::Fragment& f : head.bones().fragments()) fragment(head, f, at_rest);
     plates(head);
@@ -117,7 +127,7 @@ class Exporter {
       if (!s.why.empty()) left_out("splint", s.why);
     }
     plan_["left_out"] = out.left_out;
-    write_whole_file(out.folder + "/plan.json", plan_.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+    write_whole_file(out.folder + "/plan.json", plan_.dump(2, ' ', false, PlanJson::error_handler_t::replace) + "\n");
   }
 
   void fragment(const Head& head, const bone::Fragment& f, BoneField& at_rest) {
@@ -126,22 +136,22 @@ class Exporter {
     move(s, f.pose);
     const ExportedFile& file = leave(file_name_of(f.name), s);
     const Vec3 way = f.pose * f.centre_mm - f.centre_mm;
-    Json j{{"id", f.id},
-           {"name", f.name},
-           {"files", {file.file + ".stl", file.file + ".ply"}},
-           {"fixed", f.fixed},
-           {"closed", file.closed},
-           {"volume_mm3", f.volume_mm3},
-           {"centre_mm", json_of(Vec3(f.centre_mm))},
-           {"centre_moved_mm", json_of(way)},
-           {"turned_deg", Eigen::AngleAxisd(f.pose.linear()).angle() * 180 / std::numbers::pi},
-           {"head", json_of(f.pose)}};
+    PlanJson j{{"id", f.id},
+               {"name", f.name},
+               {"files", {file.file + ".stl", file.file + ".ply"}},
+               {"fixed", f.fixed},
+               {"closed", file.closed},
+               {"volume_mm3", f.volume_mm3},
+               {"centre_mm", json_of(Vec3(f.centre_mm))},
+               {"centre_moved_mm", json_of(way)},
+               {"turned_deg", Eigen::AngleAxisd(f.pose.linear()).angle() * 180 / std::numbers::pi},
+               {"head", json_of(f.pose)}};
     if (picture_) j["picture"] = json_of(Eigen::Isometry3d(*picture_ * f.pose * picture_->inverse()));
     plan_["fragments"].push_back(std::move(j));
   }
 
   void plates(const Head& head) {
-    plan_["plates"] = Json::array();
+    plan_["plates"] = PlanJson::array();
     Surface s;
     for (const bone::Plate& p : head.bones().plates()) {
       const Vec3 a = head.bones().fragment(p.a)->pose * p.a_mm, b = head.bones().fragment(p.b)->pose * p.b_mm;
@@ -151,7 +161,7 @@ class Exporter {
     if (!s.tri.empty()) leave("plates", s);
   }
 
-  /// Each bone as it was at first; a bone that has been cut is its fragments together.
+  /// Each fragment as it lay before it was moved, seen in the plane of the whole bones.
   void mirror(const Head& head) {
     const Surface skull = bone_surface(head, true);
     const MirrorPlane plane = mirror_plane(skull, Vec3::UnitX(), skull_fit(), workers_);
@@ -182,8 +192,8 @@ class Exporter {
     }
   }
 
-  void tell(const char* list, const ExportedFile& file, Json more) {
-    Json j{
+  void tell(const char* list, const ExportedFile& file, PlanJson more) {
+    PlanJson j{
         {"files", {file.file + ".stl", file.file + ".ply"}}, {"closed", file.closed}, {"volume_mm3", file.volume_mm3}};
     if (!more.is_null()) j.update(more);
     plan_[list].push_back(std::move(j));
@@ -194,7 +204,7 @@ class Exporter {
   const ExportSettings& settings_;
   Workers& workers_;
   std::optional<Eigen::Isometry3d> picture_;
-  Json plan_;
+  PlanJson plan_;
 };
 
 }  // namespace

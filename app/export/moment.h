@@ -3,7 +3,7 @@
 // plan.json, which says how each fragment has been moved, with what is printed for the operation.
 //
 //   NAME.stl, NAME.ply      each fragment of bone (closed), plates, face, skin, as they lie at that moment
-//   mirror-NAME.stl, .ply   each bone's mirror image in the skull's plane of symmetry, as it was at first
+//   mirror-NAME.stl, .ply   each fragment as it lay before it was moved, mirrored in the skull's plane of symmetry
 //   guide-NAME-1.stl, ...   for the cuts of a fragment that has been moved, where the bone was at first
 //   splint.stl, .ply        between the teeth as they lie at that moment
 //   plan.json               frames, and of each fragment the map from where it was to where it is: in the head's frame

@@ -17,13 +17,13 @@ constexpr Pair kPairs[] = {{"pog'", "Pog"}, {"sl", "B"},  {"li", "Ii"},      {"g
                            {"me'", "Me"},   {"ls", "Is"}, {"sn", "A"},       {"g'", "G"},
                            {"f'", "F"},     {"n'", "N"},  {"go'_R", "Go_R"}, {"go'_L", "Go_L"}};
 
-struct Known {
+struct KnownRatio {
   const char *soft, *of;
   double low, high;
   const char* source;
 };
 /// From means of moves where a paper gives these: (11 - 0.8) / 11 and (6 - 2.8) / 6 for Veltkamp's 62 patients.
-constexpr Known kKnown[] = {
+constexpr KnownRatio kKnownRatios[] = {
     {"pog'", "chin", 0.9, 0.93,
      "Veltkamp et al., Am J Orthod Dentofacial Orthop 122 (2002) 627: advanced with a genioplasty"},
     {"pog'", "mandible", 1, 1.1,
@@ -73,7 +73,7 @@ std::vector<SoftRatio> soft_ratios(const NamedPlaces& before, const NamedPlaces&
     if (is({"Is", "A"})) r.of = "maxilla";
     // Papers tell of moves forwards and back.
     if (std::abs(bone->y()) < kSagittal * r.bone_mm) r.of.clear();
-    for (const Known& k : kKnown)
+    for (const KnownRatio& k : kKnownRatios)
       if (r.soft == k.soft && r.of == k.of) r.known_low = k.low, r.known_high = k.high, r.source = k.source;
     out.push_back(std::move(r));
   }

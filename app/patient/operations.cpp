@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "sim/base/elementary.h"
+#include "sim/base/error.h"
 #include "sim/geometry/bvh.h"
 #include "sim/skull/bone/bones.h"
 #include "sim/skull/head/head.h"
@@ -121,7 +122,12 @@ template <class Try>
 std::string first_accepted(const std::vector<Vec2>& offsets, Try&& attempt) {
   std::string first;
   for (const Vec2& o : offsets) {
-    const std::string why = attempt(o);
+    std::string why;
+    try {
+      why = attempt(o);
+    } catch (const InputError& e) {  // a mesh that cannot be cut at all
+      return e.what();
+    }
     if (why.empty()) return "";
     if (first.empty()) first = why;
   }
@@ -154,7 +160,9 @@ PlannedOperation genioplasty(const Bench& b) {
   }
   const double slope = border - kChinHigh_mm / kChinDeep_mm;
   CutBone cut;
-  p.why = first_accepted(offsets_mm(), [&](const Vec2& off) -> std::string {
+  std::vector<Vec2> up_or_down = offsets_mm();
+  std::erase_if(up_or_down, [](const Vec2& off) { return off.y() != 0; });
+  p.why = first_accepted(up_or_down, [&](const Vec2& off) -> std::string {
     cut.point_mm = to_tenths(Vec3(0, me.y(), me.z() + kChinHigh_mm + off.x()));
     cut.normal = to_thousandths(Vec3(0, slope, 1).normalized()), cut.radius_mm = 32;
     bone::Osteotomy o;

@@ -88,7 +88,7 @@ TEST_P(Repertoire, ClosesAndRests) {
 }
 
 // The shipped Z-plasty: each flap lies in its corner, its skin up, with limbs that open to their ends and without.
-// Where one does not, its tip lies folded on the skin beside its corner, and every other figure is as good.
+// A tip that lay folded on the skin beside its corner would leave every other figure as good.
 TEST(ShippedZPlasty, FlapsLieInTheirCorners) {
   const Scene scene = load_scene(source_dir() + "/app/scenes/zplasty.toml");
   const Script script = load_script(source_dir() + "/recordings/zplasty.jsonl");

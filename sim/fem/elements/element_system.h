@@ -80,7 +80,7 @@ class ElementSystem {
   /// One multiplier update from the theta of the last evaluate. Returns false if no cell has a multiplier.
   bool update_multipliers(const Engine& engine, double scale_of_increment = 1);
   /// The multipliers as they were if theta stayed as the last evaluate found it: p = lambda theta. `before` gets those
-  /// that were there, for swap_multipliers; the cells of `but` keep theirs. False, and nothing done, if no cell has one.
+  /// that were there, for swap_multipliers; the cells of `but` keep theirs. False, and nothing done, if none has one.
   bool settle_multipliers(AlignedArray<float>& before, std::span<const int32_t> but = {});
   void swap_multipliers(AlignedArray<float>& q) { q_.swap(q); }
 

@@ -16,7 +16,7 @@ constexpr double kBeside =
     0.35;  // of a slice's height: standard deviation of the weight of what lies beside the normal
 constexpr double kBesideMost = 0.8;
 constexpr double kUpright = 0.35;  // of the normal along the slices: below it the pixels tell
-constexpr int kRounds = 2;
+constexpr int kSliceRounds = 2;
 constexpr double kSoft = 45,
                  kSoftSd = 60;     // Hounsfield units of muscle and brain; fat and cerebrospinal fluid are within
 constexpr size_t kLeastSure = 50;  // vertices that what is known beforehand is taken from
@@ -144,7 +144,7 @@ CortexReport put_on_cortex_in_slices(simplex::Mesh& m, const Volume& slices, con
   const size_t slots = size_t(m.slots());
   CortexPrior prior;
   prior.soft = kSoft + offset, prior.soft_sd = kSoftSd, prior.deep = 450 + offset;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kSliceRounds; ++round) {
     const std::vector<Vec3> normal = cortex::normals_of(m);
     const auto reach = [&](size_t i, double point) {
       const Spread s = stack.spread(normal[i].dot(stack.up), point);

@@ -82,7 +82,8 @@ FaceModel::Report FaceModel::step_simplex(int iterations) {
       out.max_move_mm = std::max(out.max_move_mm, simplex::step(r.tissue, l, *workers_).max_move_mm);
       pull_face(r.tissue, l, force);
     }
-    const double face_move = std::max(scratch_->motion.step(face_, {force, {}}).max_move_mm, even_out());
+    const double stepped_mm = scratch_->motion.step(face_, {force, {}}).max_move_mm;  // before it is evened out
+    const double face_move = std::max(stepped_mm, even_out());
     out.max_move_mm = std::max(out.max_move_mm, face_move);
     still_ = (influence ? face_move : out.max_move_mm) < settings_.still_mm ? still_ + 1 : 0;
     if (still_ >= kStillFor) {

@@ -128,7 +128,14 @@ ActedOnHead Head::act(const MoveFragment& m) {
   return finish(change, [&] { return lies(bones_, id); });
 }
 
+namespace {
+
+bool is_hand(int hand) { return hand >= 0 && size_t(hand) < kHands; }
+
+}  // namespace
+
 ActedOnHead Head::act(const GrabFragment& g) {
+  if (!is_hand(g.hand)) return refuse("there is no hand " + std::to_string(g.hand));
   std::string reason;
   const int32_t id = find(g.fragment, reason);
   if (id < 0) return refuse(reason);
@@ -141,6 +148,7 @@ ActedOnHead Head::act(const GrabFragment& g) {
 }
 
 ActedOnHead Head::act(const DragFragment& d) {
+  if (!is_hand(d.hand)) return refuse("there is no hand " + std::to_string(d.hand));
   const Grabbed& g = grabbed_[size_t(d.hand)];
   if (g.fragment < 0) return refuse("nothing is held by this hand; expected a grab before it");
   bones_.drag(g.fragment, isometry(d.to, g.centre_mm) * g.at);
@@ -148,6 +156,7 @@ ActedOnHead Head::act(const DragFragment& d) {
 }
 
 ActedOnHead Head::act(const LetGo& l) {
+  if (!is_hand(l.hand)) return refuse("there is no hand " + std::to_string(l.hand));
   const int32_t id = grabbed_[size_t(l.hand)].fragment;
   if (id < 0) return refuse("nothing is held by this hand; expected a grab before it");
   HeadChange change = before(false);

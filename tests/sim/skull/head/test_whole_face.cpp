@@ -104,7 +104,7 @@ TEST(WholeFace, AFreeRimWhoseShapeDoesNotRestMovesAsItsNeighboursDo) {
   }
   ASSERT_GT(drawn, 10);
   FaceModel f(face, w);
-  ASSERT_TRUE(f.connect(skull, {"cheek", region, {}, 2, 10, TissueKind::finite_elements}).done);
+  ASSERT_TRUE(f.connect(skull, {"cheek", region, {}, 2, 10, TissueKind::finite_elements, {}}).done);
   Mesh moved = skull;
   for (Vec3& x : moved.x_mm)
     if (x.norm() < 100) x += 4 * out;
