@@ -5,7 +5,6 @@
 #include <exception>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "app/assembly/operation.h"
 #include "app/commands/commands.h"
@@ -14,12 +13,12 @@
 #include "app/commands/session_command.h"
 #include "app/commands/this_call.h"
 #include "app/export/moment.h"
+#include "app/export/operated.h"
 #include "app/program/interrupt.h"
 #include "app/program/shipped.h"
 #include "app/report/report_names.h"
 #include "app/result/output.h"
 #include "app/result/progress.h"
-#include "app/result/read_result.h"
 #include "app/result/schema.h"
 #include "app/result/tables.h"
 #include "app/session/workers_pool.h"
@@ -118,24 +117,12 @@ class Moments {
 
 /// The operation whose result lies in a folder, carried out once more.
 int of_folder(const ExportOptions& o, std::string& scene_name, std::vector<ExportedMoment>& out) {
-  using result_json::member;
   const std::string file = o.input + "/" + report_names::result;
-  const nlohmann::json r = nlohmann::json::parse(read_whole_file(file, kMostResultBytes, "a result"), nullptr, false);
-  if (!r.is_object()) throw InputError(file, 0, "is no result; expected the folder of an `operate`");
-  if (result_json::words(member(r, "command")) != "operate")
-    throw InputError(
-        file, 0, "is not the result of an operate; expected such a folder, or the recording of a session (FILE.lcm)");
-  const std::string path = o.scene.empty() ? result_json::words(member(r, "scene_path")) : o.scene;
+  const OperatedCall call = operated_call(read_whole_file(file, kMostResultBytes, "a result"), file);
+  const std::string path = o.scene.empty() ? call.scene_path : o.scene;
   if (path.empty()) throw InputError(file, 0, "does not say where its scene lies; expected --scene FILE beside it");
   Scene scene = open_scene(path);
-  const double cell = result_json::number(member(member(r, "lattice"), "cell_mm")).value_or(0);
-  if (cell > 0) scene.cell_mm = cell;
-  Script script;
-  script.name = file;
-  const nlohmann::json& lines = member(r, "script");
-  if (!lines.is_array() || lines.empty()) throw InputError(file, 0, "holds no script; expected what `operate` writes");
-  for (const nlohmann::json& l : lines)
-    script.lines.push_back({int(script.lines.size()) + 1, parse_command(result_json::words(l), file, 0)});
+  if (call.cell_mm > 0) scene.cell_mm = call.cell_mm;
   WorkersPool workers(o.common.worker_count());
   const std::unique_ptr<World> world = make_world(scene, workers);
   WorldPatient patient(*world, scene.tools.max_depth_mm);
@@ -147,7 +134,7 @@ int of_folder(const ExportOptions& o, std::string& scene_name, std::vector<Expor
   set.on_done = [&](const ScriptLine& l, const std::string&) {
     if (const auto* s = std::get_if<Stage>(&l.command)) moments.stage(*world, s->name);
   };
-  const OperationOutcome done = operate(patient, script, set);
+  const OperationOutcome done = operate(patient, call.script, set);
   progress.clear();
   if (done.interrupted) return kGoalMissed;
   moments.end(*world);

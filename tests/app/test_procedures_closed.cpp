@@ -103,7 +103,7 @@ TEST(ShippedZPlasty, FlapsLieInTheirCorners) {
     world.fill(s);
     constexpr double kAround_mm = 20, kTriangle_mm2 = 0.32;  // of the skin, half of (0.8 mm)^2
     const double turned_mm2 = study::SkinMap(s).turned_share(kAround_mm) * std::numbers::pi * kAround_mm * kAround_mm;
-    // Without divided fronts one tip lay on its face, 13.7 mm^2, as long as contacts were found late (until 2026-11-27).
+    // Without divided fronts one tip lay on its face, 13.7 mm^2, while contacts were found late (until 2026-11-27).
     EXPECT_LT(turned_mm2, kTriangle_mm2) << "mm^2 lie on their side; divided fronts: " << fronts;
   }
 }

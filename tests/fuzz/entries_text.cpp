@@ -4,6 +4,8 @@
 
 #include "app/assembly/lesson.h"
 #include "app/assembly/repro.h"
+#include "app/export/achieved.h"
+#include "app/export/operated.h"
 #include "app/head/cache.h"
 #include "app/operating_point/kept_trials.h"
 #include "app/operating_point/operating_point.h"
@@ -224,6 +226,21 @@ std::vector<Entry> text_entries(const Folder& folder) {
                              const LandmarkPairs p = parse_landmark_pairs(text, kNamed);
                              return p.a_mm.size() == p.b_mm.size() ? "" : "a pair of one";
                            }));
+  all.push_back(text_entry("operated", {"app/export/operated.cpp", "app/commands/export.cpp"},
+                           {R"({"command":"operate","scene_path":"a.toml","lattice":{"cell_mm":5},)"
+                            R"("script":["{\"action\":\"stage\",\"name\":\"before\"}"]})"},
+                           [](const std::string& text) -> std::string {
+                             return operated_call(text, kNamed).script.lines.empty() ? "a script of nothing" : "";
+                           }));
+  all.push_back(path_entry("plan", folder, "plan.json", {"app/export/achieved.cpp"},
+                           {R"({"frames":{"files":"head"},"fragments":[{"name":"skull","fixed":true,)"
+                            R"("centre_moved_mm":[0,0,0],"turned_deg":0,"files":["skull.obj"]}]})"},
+                           [](const std::string& path) -> std::string {
+                             for (const PlannedFragment& f : read_plan(fs::path(path).parent_path().string()))
+                               if (!f.planned_mm.allFinite()) return "a move that is none";
+                             return "";
+                           }));
+  write_file((folder->path() / "plan" / "skull.obj").string(), "v 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 3\n");
   all.push_back(text_entry("kept_landmarks", {"app/head/cache.cpp"}, {"nasion 0 0.25 1\nmenton 1 -2e1 3\n"},
                            [](const std::string& text) -> std::string {
                              const auto all_of = parse_kept_landmarks(text);

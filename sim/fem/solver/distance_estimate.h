@@ -10,9 +10,9 @@
 // fronts, Poisson's ratios of .45 to .499 (`limberg bench verification --only live` measures it anew). Where two moves
 // in a row go the same way, as where contacts hold the tissue that the metric does not know, m is no less than the
 // geometric series that they begin, at a ratio of .85 at most. It leans to the safe side. A flap that hangs on an edge
-// is seen only when it slips. In slivers, cells a fifth full at most that hang on fuller ones, d is that of the pressure
-// that is there: in one of .017 of a cell of .6 mm, .004 mm^3, a pressure that never arrived asked for moves of .2 mm
-// (2026-11-26). In a dynamic step: the distance to the solution of that step.
+// is seen only when it slips. In slivers, cells a fifth full at most that hang on fuller ones, d is that of the
+// pressure that is there: in one of .017 of a cell of .6 mm, .004 mm^3, a pressure that never arrived asked for moves
+// of .2 mm (2026-11-26). In a dynamic step: the distance to the solution of that step.
 #include <array>
 
 #include "sim/base/simd.h"

@@ -74,7 +74,7 @@ CortexReport put_on_cortex(simplex::Mesh& mesh, const Volume& volume, const std:
 /// The same from slices that are taller than their pixels are wide, as they are: not interpolated. Across a surface
 /// that stands upright each slice shows it as sharply as its pixels do, across one that lies flat the height of a slice
 /// is a box that it is blurred with; between, both have their part. Around a vertex the slices near it are sampled
-/// where their planes are, along the way that the surface's normal takes in them, and each sample counts by its distance
+/// where their planes are, along the way that the surface's normal takes in them; each sample counts by its distance
 /// along the normal. Where a profile has fewer samples than the model has numbers, what the upright surfaces say
 /// (cortex, density beneath it) is taken for known beforehand. `offset`: what the numbers are above Hounsfield units.
 /// `same_scan`: a larger bone of the same picture, whose density and blur are taken; a small one tells them badly.

@@ -49,7 +49,7 @@ struct FaceTissuePlan {
   int layers = 1;
   double young_kPa = 10;
   TissueKind mode = TissueKind::finite_elements;
-  TissueFloor floor;  // of finite elements; TissueSettings has the meaning of both
+  TissueFloor floor = {};  // of finite elements; TissueSettings has the meaning of both
   bool mend = false;
   double leave_out = 0;  // share of face_region, at most, that is left out where columns cannot be mended
 };

@@ -6,7 +6,7 @@
 // elsewhere, one after the other, each to the best of a few places by the worst of its prisms:
 //
 //   on bone     below where the columns around it stand in the mean
-//   hovering    above the bone, along its own way, that mean, or the normal evened out over the patch, as far down as the
+//   hovering    above the bone, along its own way, that mean, or the normal evened out over the patch, as far as the
 //               bone there or nearer
 //
 // until all are sound or nothing gets better. A prism that is still below the floor is named, and so are columns of
