@@ -75,20 +75,24 @@ int finish(const CalibrateOptions& o, Calibration c) {
   return kDone;
 }
 
-int stylus(const CalibrateOptions& o, const Recording& rec, Calibration c) {
-  std::vector<SensorPose> poses;
-  for (const StylusSample& s : stylus_readings(rec, o.log))
-    poses.push_back({s.tip_mm + c.distortion.at(s.tip_mm), rotation(s)});
-  const PivotLimits limit;
-  const PivotResult r = calibrate_pivot(poses, 1, limit);
-  std::printf("stylus      %d poses, %d agree\n", r.poses, r.agreeing);
-  line("residual", r.residual_mm, "mm", limit.residual_mm, true);
+void tell_pivot(const char* what, const char* residual, const PivotResult& r, const PivotLimits& limit) {
+  std::printf("%-11s %d poses, %d agree\n", what, r.poses, r.agreeing);
+  line(residual, r.residual_mm, "mm", limit.residual_mm, true);
   line("share of poses that agree", r.poses ? double(r.agreeing) / r.poses : 0, "", limit.inliers, false);
   line("cone, full opening", r.cone_deg, "deg", limit.cone_deg, false);
   line("weakest direction", r.weakest, "", limit.weakest, false);
   line("first half against second", r.repeat_mm, "mm", limit.repeat_mm, true);
   std::printf("  tip (%.3f, %.3f, %.3f) mm in the sensor's frame, +- %.3f mm\n", r.tip_mm.x(), r.tip_mm.y(),
               r.tip_mm.z(), r.uncertainty_mm);
+}
+
+int stylus(const CalibrateOptions& o, const Recording& rec, Calibration c) {
+  std::vector<SensorPose> poses;
+  for (const StylusSample& s : stylus_readings(rec, o.log))
+    poses.push_back({s.tip_mm + c.distortion.at(s.tip_mm), rotation(s)});
+  const PivotLimits limit;
+  const PivotResult r = calibrate_pivot(poses, 1, limit);
+  tell_pivot("stylus", "residual", r, limit);
   if (!r.accepted) return refused(o, r.advice);
   c.tip_offset_mm = r.tip_mm;
   return finish(o, c);
@@ -122,14 +126,7 @@ int finger(const CalibrateOptions& o, const Recording& rec, Calibration c, bool 
   PivotLimits limit;
   limit.what = "hand", limit.where = "place";
   const PivotResult r = calibrate_pivot(finger_poses(o, rec, role_of(o, thumb), c), 1, limit);
-  std::printf("%-11s %d poses, %d agree\n", thumb ? "thumb" : "forefinger", r.poses, r.agreeing);
-  line("residual (rms)", r.residual_mm, "mm", limit.residual_mm, true);
-  line("share of poses that agree", r.poses ? double(r.agreeing) / r.poses : 0, "", limit.inliers, false);
-  line("cone, full opening", r.cone_deg, "deg", limit.cone_deg, false);
-  line("weakest direction", r.weakest, "", limit.weakest, false);
-  line("first half against second", r.repeat_mm, "mm", limit.repeat_mm, true);
-  std::printf("  tip (%.3f, %.3f, %.3f) mm in the sensor's frame, +- %.3f mm\n", r.tip_mm.x(), r.tip_mm.y(),
-              r.tip_mm.z(), r.uncertainty_mm);
+  tell_pivot(thumb ? "thumb" : "forefinger", "residual (rms)", r, limit);
   if (!r.accepted) return refused(o, r.advice);
   (thumb ? glove_of(o, c).thumb_tip_mm : glove_of(o, c).forefinger_tip_mm) = r.tip_mm;
   return finish(o, c);

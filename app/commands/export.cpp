@@ -63,7 +63,7 @@ void fields(ResultExport& x, auto&& f) {
   f("source", x.source), f("at", x.at), f("frame", x.frame), f("moments", x.moments), f("reproduce", x.reproduce);
 }
 
-/// Which moments are wanted, and the files of those that have come.
+/// The moments that --at asks for, and the files of those that the operation has come to.
 class Moments {
  public:
   Moments(const ExportOptions& o, const Scene& scene, Workers& workers) : o_(o), scene_(scene), workers_(workers) {

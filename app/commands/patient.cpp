@@ -261,12 +261,7 @@ std::vector<ResultApart> distances(const Volume& v, const PatientModel& p, const
                                    const std::vector<PartInPicture>& parts, Workers& workers) {
   std::vector<ResultApart> out;
   Surface bone, skin;
-  for (const PartInPicture& part : parts) {
-    Surface& to = part.name == "skin" ? skin : bone;
-    const int32_t first = int32_t(to.x_mm.size());
-    to.x_mm.insert(to.x_mm.end(), part.surface.x_mm.begin(), part.surface.x_mm.end());
-    for (const Tri& t : part.surface.tri) to.tri.push_back({t[0] + first, t[1] + first, t[2] + first});
-  }
+  for (const PartInPicture& part : parts) append(part.name == "skin" ? skin : bone, part.surface);
   const double voxel = longest_step_mm(v);
   const double compact = p.bone.empty() ? 1150 + p.offset : p.bone.front().cortex.cortical;
   for (const bool of_skin : {false, true}) {

@@ -16,12 +16,6 @@ namespace {
 
 constexpr size_t kMostPlanBytes = size_t(1) << 26;
 
-void append_surface(Surface& to, const Surface& s) {
-  const auto first = int32_t(to.x_mm.size());
-  to.x_mm.insert(to.x_mm.end(), s.x_mm.begin(), s.x_mm.end());
-  for (const Tri& t : s.tri) to.tri.push_back({t[0] + first, t[1] + first, t[2] + first});
-}
-
 Vec3 middle_of(const Surface& s) {
   Vec3 sum = Vec3::Zero();
   for (const Vec3& x : s.x_mm) sum += x;
@@ -63,10 +57,10 @@ Achieved planned_against_achieved(const std::vector<PlannedFragment>& plan, cons
   };
   Surface skull;
   for (const PlannedFragment& f : plan)
-    if (f.fixed) append_surface(skull, f.surface);
+    if (f.fixed) append(skull, f.surface);
   if (skull.tri.empty())
     for (const PlannedFragment& f : plan)
-      if (stays(f)) append_surface(skull, f.surface);
+      if (stays(f)) append(skull, f.surface);
   if (skull.tri.empty()) {
     out.reason = "every fragment of the plan is moved: nothing says where the head lies";
     return out;

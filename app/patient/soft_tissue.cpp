@@ -62,15 +62,9 @@ double thickness_mm(const Bvh& bone, const Vec3& x, const Vec3& normal) {
 }
 
 void measure(const PatientModel& p, const Vec3& about_mm, LaidTissue& out) {
-  std::vector<Vec3> x;
-  std::vector<Tri> tri;
-  for (const PatientBone& b : p.bone) {
-    const Surface s = triangles_of(b.mesh);
-    const int32_t first = int32_t(x.size());
-    x.insert(x.end(), s.x_mm.begin(), s.x_mm.end());
-    for (const Tri& t : s.tri) tri.push_back({t[0] + first, t[1] + first, t[2] + first});
-  }
-  const Bvh bone(x, tri);
+  Surface bones;
+  for (const PatientBone& b : p.bone) append(bones, triangles_of(b.mesh));
+  const Bvh bone(bones.x_mm, bones.tri);
   int32_t nose = -1;
   double nearest = 1e300;
   std::vector<double> all;

@@ -135,7 +135,7 @@ class LbfgsSolver final : public ElasticSolver {
   std::vector<int32_t> fixed_;       // nodes that are held whole
   std::vector<int32_t> sliding_;     // nodes that are held along some axes
   std::vector<int32_t> of_slivers_;  // nodes of nearly empty cells only, beside fuller ones
-  std::vector<int32_t> slivers_;     // the cells of those nodes
+  std::vector<int32_t> slivers_;     // cells with a node of of_slivers_
   std::vector<Spring> springs_;
   SpringForces forces_;
   std::vector<Preconditioner::SpringEntry> spring_rows_;  // of springs_

@@ -312,6 +312,12 @@ class Reader {
 
 }  // namespace
 
+void append(Surface& to, const Surface& s) {
+  const auto first = int32_t(to.x_mm.size());
+  to.x_mm.insert(to.x_mm.end(), s.x_mm.begin(), s.x_mm.end());
+  for (const Tri& t : s.tri) to.tri.push_back({t[0] + first, t[1] + first, t[2] + first});
+}
+
 Surface triangles_of(const simplex::Mesh& m) {
   const simplex::FanTriangles fan = simplex::fan_triangles(m);
   Surface s;

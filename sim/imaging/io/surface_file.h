@@ -18,6 +18,9 @@ struct Surface {
   std::vector<Tri> tri;  // empty: a cloud of points
 };
 
+/// All of `s` after what `to` has.
+void append(Surface& to, const Surface& s);
+
 struct SurfaceFileLimits {
   static constexpr size_t file_bytes = size_t(1) << 30;
   static constexpr size_t points = 20'000'000, triangles = 40'000'000;
