@@ -7,6 +7,8 @@
 
 #include <array>
 #include <cstdint>
+#include <string_view>
+#include <vector>
 
 namespace limberg {
 
@@ -21,8 +23,11 @@ using CreateContextFn = Handle (*)(Handle display, Handle config, Handle share, 
 using DestroyContextFn = unsigned (*)(Handle display, Handle context);
 using EglMakeCurrentFn = unsigned (*)(Handle display, Handle draw, Handle read, Handle context);
 using EglAddressFn = void (*(*)(const char*))();
+using QueryDevicesFn = unsigned (*)(int room, Handle* devices, int* n);  // EGL_EXT_device_enumeration
+using DeviceStringFn = const char* (*)(Handle device, int name);         // EGL_EXT_device_query
 
-constexpr unsigned kSurfacelessMesa = 0x31DD, kOpenGlApi = 0x30A2;
+constexpr unsigned kSurfacelessMesa = 0x31DD, kDevicePlatform = 0x313F, kOpenGlApi = 0x30A2;
+constexpr int kExtensions = 0x3055;
 constexpr int kEglMajor = 0x3098, kEglMinor = 0x30FB, kProfileMask = 0x30FD, kEglCoreProfile = 1, kNone = 0x3038;
 
 template <class F>
@@ -48,15 +53,26 @@ class EglContext final : public GlContext {
     destroy_ = egl_symbol<DestroyContextFn>(library, "eglDestroyContext", file);
     make_current_ = egl_symbol<EglMakeCurrentFn>(library, "eglMakeCurrent", file);
     address_ = egl_symbol<EglAddressFn>(library, "eglGetProcAddress", file);
-    display_ = display(kSurfacelessMesa, nullptr, nullptr);
-    if (!display_ || !initialize(display_, nullptr, nullptr))
+    // Cards first, each by itself (drivers of makers have no other way without a screen), then Mesa without a surface,
+    // which draws by a card that it knows or in software.
+    bool any = false;
+    const auto try_display = [&](Handle candidate) {
+      if (!candidate || !initialize(candidate, nullptr, nullptr)) return;
+      any = true;
+      bind_api_(kOpenGlApi);
+      const std::array<int, 7> attributes{kEglMajor, 3, kEglMinor, 3, kProfileMask, kEglCoreProfile, kNone};
+      // No config: nothing but framebuffer objects is drawn to.
+      if (Handle made = create(candidate, nullptr, nullptr, attributes.data())) display_ = candidate, context_ = made;
+    };
+    for (Handle card : cards()) {
+      if (!context_) try_display(display(kDevicePlatform, card, nullptr));
+    }
+    if (!context_) try_display(display(kSurfacelessMesa, nullptr, nullptr));
+    if (!context_ && any) throw RenderUnavailable("no pictures: EGL refused a core context of OpenGL 3.3");
+    if (!context_)
       throw RenderUnavailable(
-          "no pictures: EGL has no display without a surface; expected Mesa's (Debian: libegl-mesa0)");
-    bind_api_(kOpenGlApi);
-    const std::array<int, 7> attributes{kEglMajor, 3, kEglMinor, 3, kProfileMask, kEglCoreProfile, kNone};
-    context_ = create(display_, nullptr, nullptr,
-                      attributes.data());  // no config: nothing but framebuffer objects is drawn to
-    if (!context_) throw RenderUnavailable("no pictures: EGL refused a core context of OpenGL 3.3");
+          "no pictures: EGL has neither a graphics card nor a display without a surface; expected " +
+          std::string("the card's driver, or Mesa's (Debian: libegl-mesa0)"));
   }
   ~EglContext() override {
     if (!context_) return;
@@ -72,6 +88,22 @@ class EglContext final : public GlContext {
   std::string describe() const override { return "EGL without a surface"; }
 
  private:
+  /// The devices that are not software; none where EGL cannot list them.
+  std::vector<Handle> cards() const {
+    const auto query = reinterpret_cast<QueryDevicesFn>(address_("eglQueryDevicesEXT"));
+    const auto text = reinterpret_cast<DeviceStringFn>(address_("eglQueryDeviceStringEXT"));
+    std::array<Handle, 16> all{};
+    int n = 0;
+    std::vector<Handle> found;
+    if (!query || !text || !query(int(all.size()), all.data(), &n)) return found;
+    for (int k = 0; k < n && k < int(all.size()); ++k) {
+      const char* can = text(all[size_t(k)], kExtensions);
+      if (!can || std::string_view(can).find("EGL_MESA_device_software") == std::string_view::npos)
+        found.push_back(all[size_t(k)]);
+    }
+    return found;
+  }
+
   Handle display_ = nullptr, context_ = nullptr;
   BindApiFn bind_api_ = nullptr;
   DestroyContextFn destroy_ = nullptr;

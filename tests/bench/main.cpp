@@ -122,7 +122,7 @@ int run_main(int argc, char** argv) {
   auto o = std::make_shared<Options>();
   CLI::App* c = &app;
   c->add_option("SUITE", o->suite, listed(&bench::Suite::measures))->required();
-  c->add_option("SCENE", o->with.scene, "Scene, for suites that take one");
+  c->add_option("SCENE", o->with.scene, "Scene, for suites that take one; live: a recording");
   c->add_flag("--quick", o->with.quick, "The smallest size only");
   c->add_flag("--no-peers", o->with.no_peers, "stability: only what is under test");
   c->add_option("--only", o->with.only, "The parts whose name contains this. Parts of " + listed(&bench::Suite::parts))
@@ -137,7 +137,7 @@ int run_main(int argc, char** argv) {
       ->type_name("N")
       ->check(number_from(0.01, 1e5));
   c->add_option("--operations", o->with.operations,
-                "fuzz, soak: how many (default 20000, 10000 acts; --quick 2000, 1000)")
+                "fuzz, soak, live: how many (default 20000; 10000 acts; 10 runs of each; --quick 2000, 1000, 1)")
       ->type_name("N")
       ->check(whole_from(1, 1'000'000'000'000));
   c->add_flag(

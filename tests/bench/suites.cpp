@@ -21,6 +21,7 @@
 #include "tests/bench/graded.h"
 #include "tests/bench/head_face.h"
 #include "tests/bench/laws.h"
+#include "tests/bench/live/live.h"
 #include "tests/bench/metric.h"
 #include "tests/bench/session_latency.h"
 #include "tests/bench/simplex.h"
@@ -182,6 +183,16 @@ SuiteOutcome run_soak(const Options& o) {
   return soak(s);
 }
 
+SuiteOutcome run_live(const Options& o) {
+  catch_interrupts();  // the runs that have ended are reported
+  LiveSettings s;
+  s.recording = o.scene, s.only = o.only, s.quick = o.quick, s.progress = o.progress, s.stop = interrupted;
+  if (o.operations > 0) s.runs = o.operations;
+  SuiteOutcome out = only(live(s));
+  if (interrupted()) out.interrupted = "before its last run; what was done is reported";
+  return out;
+}
+
 constexpr Suite kSuites[] = {
     {"accuracy", "error against run time on a scene, and the setting that fits a frame", "", true, run_accuracy},
     {"contact", "overlap and cost of operations with wound surfaces that keep each other out",
@@ -211,6 +222,8 @@ constexpr Suite kSuites[] = {
      [](const Options& o) {
        return only(laws({o.quick, o.progress}));
      }},
+    {"live", "recordings played in real time, alone and beside busy threads, against lockstep (SCENE: a recording)",
+     "rhomboid, zplasty, craniofacial, bilobed", true, run_live},
     {"simplex", "what simplex meshes cost, and random operators on them", "", false, run_simplex},
     {"soak", "hours of emulated operations in one process: memory, times, hashes; and 10,000 acts with undo",
      "lockstep, live, acts", false, run_soak},
