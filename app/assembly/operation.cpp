@@ -151,20 +151,27 @@ OperationOutcome operate(World& world, double max_depth_mm, const Script& script
 OperationOutcome operate(Patient& patient, const Script& script, const OperationSettings& set) {
   Operation op(patient, set);
   op.rest(set.rest_residual, set.rest_steps);
-  size_t done = 0;
+  size_t begun = 0;
   for (const ScriptLine& l : script.lines) {
     if (set.interrupted && set.interrupted()) {
       op.out.interrupted = true;
       return std::move(op.out);
     }
-    if (set.progress) set.progress(done++, script.lines.size());
+    if (set.progress) set.progress(begun++, script.lines.size());
     const Outcome o = op.apply(l.command, l.line);
     if (!o.done && set.on_refusal) set.on_refusal(l.command, o.reason);
-    if (o.done && set.on_done) set.on_done(l, o.reason);
-    if (o.done) op.note_closure(l.command, l.line);
-    if (!o.done) throw InputError(script.name, l.line, std::string(action_name(l.command)) + " refused: " + o.reason);
+    if (!o.done && !set.keep_going)
+      throw InputError(script.name, l.line, std::string(action_name(l.command)) + " refused: " + o.reason);
+    if (!o.done) {
+      op.out.refused.push_back({l.line, action_name(l.command), o.reason});
+      continue;
+    }
+    ++op.out.done;
+    if (set.on_done) set.on_done(l, o.reason);
+    op.note_closure(l.command, l.line);
   }
   op.rest(set.final_residual, set.final_steps);
+  op.out.interrupted = set.interrupted && set.interrupted();
   return std::move(op.out);
 }
 

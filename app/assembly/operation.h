@@ -24,6 +24,7 @@ struct OperationSettings {
       on_done;  // note: what is worth knowing, mostly nothing
   std::function<void(const Command& command, const std::string& reason)> on_refusal;  // before the InputError
   std::function<bool()> interrupted;
+  bool keep_going = false;  // an action that is refused is told and left out; else it ends the operation
   std::function<void(size_t done, size_t total)> progress;
 };
 
@@ -35,21 +36,29 @@ struct ClosureForce {
   int stitches = 0, max_id = 0;
 };
 
+/// An action that the patient refused.
+struct RefusedAction {
+  int line = 0;  // of the script
+  std::string action, reason;
+};
+
 struct OperationOutcome {
   std::vector<ClosureForce> closure;  // after every action that came while or after something was sewn
   std::vector<StageRow> stages;       // t_s: number of the script's line, not a time
   SolverSeries series;                // t_s: number of the solver step
   StepReport last;
-  bool stalled = false;    // on the last way to rest more iterations gained nothing (fem::StallWatch)
-  double solve_ms = 0;     // wall time of all solver steps
-  int64_t iterations = 0;  // of the minimiser, in all of them
-  size_t cells = 0;        // lattice cells that held material before the first cut
-  bool interrupted = false;
+  bool stalled = false;                // on the last way to rest more iterations gained nothing (fem::StallWatch)
+  double solve_ms = 0;                 // wall time of all solver steps
+  int64_t iterations = 0;              // of the minimiser, in all of them
+  size_t cells = 0;                    // lattice cells that held material before the first cut
+  size_t done = 0;                     // actions that were carried out
+  std::vector<RefusedAction> refused;  // with keep_going
+  bool interrupted = false;            // the patient is as it was then, and may not be at rest
 };
 
-/// On any patient. InputError with the script's file and line when it refuses an action.
+/// On any patient. InputError with the script's file and line when it refuses an action, unless it is to keep going.
 OperationOutcome operate(Patient& patient, const Script& script, const OperationSettings& settings);
-/// InputError with the script's file and line when the patient refuses an action.
+/// The same on a patient of skin, whose cells are counted.
 OperationOutcome operate(World& world, double max_depth_mm, const Script& script, const OperationSettings& settings);
 
 }  // namespace limberg

@@ -15,6 +15,7 @@
 #include "app/commands/operate_orders.h"
 #include "app/commands/session_command.h"
 #include "app/commands/this_call.h"
+#include "app/commands/unfinished.h"
 #include "app/pictures/pictures.h"
 #include "app/program/interrupt.h"
 #include "app/program/shipped.h"
@@ -42,6 +43,7 @@ struct OperateOptions {
   std::string error;  // --error
   double limit_s = 600;
   std::vector<std::string> orders;
+  bool keep_going = false;
   CommonOptions common;
 };
 
@@ -115,9 +117,10 @@ void fill_operation(Result& r, const World& world, const Scene& scene, const Ope
   run.solve_ms = o.solve_ms, run.residual = o.last.residual, run.distance_mm = o.last.distance_mm;
   run.state_hash = hex(world.state_hash()), run.topology_hash = hex(world.topology_hash());
   run.memory_mb = peak_memory_mb();
+  ResultStory story;
+  fill_unfinished(run, story, o);
   write_fields(r, "", run);
   fill_metrics(r, metrics);
-  ResultStory story;
   std::vector<ResultStage> stages;
   for (const StageRow& s : o.stages) stages.push_back(stage_of(s)), stages.back().sutures = s.shown.sutures.size();
   story.stages = unless_empty(std::move(stages));
@@ -178,7 +181,7 @@ int run_operate(const OperateOptions& opt) {
       throw InputError(
           opt.scene, 0,
           "has a head: --cells, --error, --orders, --judge and --fields are for scenes of skin; expected none of them");
-    return operate_head(scene, script, opt.common);
+    return operate_head(scene, script, opt.keep_going, opt.common);
   }
   std::vector<double> cells = opt.cells;
   for (size_t i = 1; i < cells.size(); ++i)
@@ -211,7 +214,8 @@ int run_operate(const OperateOptions& opt) {
   Result result("operate", scene.name);
   std::vector<Row> rows;
   std::vector<ResultVerdict> verdict;  // of the finest
-  bool at_rest = true;
+  std::vector<Command> carried_out;  // of the finest
+  bool at_rest = true, whole = true;
   for (size_t i = 0; i < cells.size(); ++i) {
     WorldSpec spec = world_spec(scene, body);
     spec.cell_mm = cells[i];
@@ -223,16 +227,19 @@ int run_operate(const OperateOptions& opt) {
     Progress progress(label);
     OperationSettings set;
     set.interrupted = interrupted;
-    size_t carried_out = 0;
-    set.on_done = [&](const ScriptLine& l, const std::string&) { ++carried_out, refused.done(l.command); };
+    set.keep_going = opt.keep_going;
+    carried_out.clear();
+    set.on_done = [&](const ScriptLine& l, const std::string&) {
+      carried_out.push_back(l.command), refused.done(l.command);
+    };
     set.on_refusal = [&](const Command& c, const std::string& reason) {
       progress.clear();
       if (const std::string file = refused.refused(c, reason, world.topology_hash()); !file.empty())
         say("the refused cut can be tried again: limberg operate " + opt.scene + " " + file);
       if (!refused.error().empty()) say(refused.error());
-      if (!repro || carried_out != repro->commands.size()) return;
+      if (!repro || carried_out.size() != repro->commands.size()) return;
       again = true;
-      std::printf("repro       %zu commands, then refused again: %s\n", carried_out, reason.c_str());
+      std::printf("repro       %zu commands, then refused again: %s\n", carried_out.size(), reason.c_str());
       std::printf("topology    %s, %s\n", hex(world.topology_hash()).c_str(),
                   world.topology_hash() == repro->topology_hash ? "as recorded"
                                                                 : ("recorded " + hex(repro->topology_hash)).c_str());
@@ -246,15 +253,14 @@ int run_operate(const OperateOptions& opt) {
       return kGoalMissed;
     }
     progress.clear();
-    if (repro) std::printf("repro       the cut that was refused is carried out\n");
-    if (o.interrupted) {
-      say("interrupted; nothing was written");
-      return kGoalMissed;
-    }
+    if (again) return kGoalMissed;
+    if (repro && !o.interrupted) std::printf("repro       the cut that was refused is carried out\n");
+    if (tell_unfinished(o, script.lines.size(), script.name)) whole = false;
+    if (o.interrupted) cells.resize(i + 1), goal.reset();  // what was done by then is all there is
     at_rest &= o.last.residual <= 1e-4;
     rows.push_back({cells[i], o.solve_ms, o.last.residual, o.last.distance_mm,
                     std::cbrt(world.skin()->solver().model().cell_mm.prod()),
-                    world.skin()->solver().model().X_mm.size(), measure_world(world, actions, also)});
+                    world.skin()->solver().model().X_mm.size(), measure_world(world, carried_out, also)});
     std::printf(
         "%-12s %7zu nodes  %8.0f ms  residual %.1e  off by about %.1e mm  closure %.3f N  gap %.3f mm  dog-ear %.2f mm "
         " state_hash %s\n",
@@ -265,12 +271,12 @@ int run_operate(const OperateOptions& opt) {
     if (i + 1 < cells.size()) continue;
     fill_operation(result, world, scene, o, rows.back().key);
     fill_closure(result, o.closure);
-    const std::vector<Judgement> judged = fill_exercise(result, exercise(actions, rows.back().key, planned),
+    const std::vector<Judgement> judged = fill_exercise(result, exercise(carried_out, rows.back().key, planned),
                                                         rows.back().key, lesson ? &*lesson : nullptr);
     print_judgements(judged);
     VerdictOf look;
     look.metrics = &rows.back().key, look.body = body.get(), look.cell_mm = cells[i], look.judged = judged;
-    look.residual = o.last.residual, look.stalled = o.stalled;
+    look.residual = o.last.residual, look.stalled = o.stalled, look.cut_short = o.interrupted;
     verdict = verdict_of(look);
     fill_verdict(result, verdict);
     if (!opt.fields.empty()) write_fields(opt.fields, world);
@@ -283,13 +289,13 @@ int run_operate(const OperateOptions& opt) {
   if (rows.size() > 1) fill_convergence(result, rows);
   const bool near_enough = !goal || tell_error_goal(result, *goal, *share);
   ResultStory story = made_by(this_call());
-  story.script = script_of(actions);
+  story.script = script_of(carried_out);
   write_fields(result, "", story);
-  const bool reached = at_rest && !is_bad(verdict) && near_enough;
+  const bool reached = whole && at_rest && !is_bad(verdict) && near_enough;
   result.set_ok(reached);
   leave_result(result, opt.common);
   print_verdict(verdict);
-  if (!at_rest) say("the patient did not come to rest: relative residual above 1e-4");
+  if (!at_rest && !interrupted()) say("the patient did not come to rest: relative residual above 1e-4");
   return reached ? kDone : kGoalMissed;
 }
 
@@ -329,6 +335,9 @@ void add_operate(CLI::App& app, Chosen& chosen) {
       ->needs(error);
   c->add_option("--judge", o->lesson, "Judge the result by this lesson: its file, or the name of a shipped one")
       ->type_name("LESSON")
+      ->excludes(orders);
+  c->add_flag("--keep-going", o->keep_going,
+              "Leave out actions that the patient refuses, say which and why, and carry out the others; exit status 3")
       ->excludes(orders);
   c->add_option("--fields", o->fields,
                 "Write stretch, stress, their direction and the perfusion index of every skin triangle")

@@ -5,6 +5,7 @@
 #include "app/assembly/assembly.h"
 #include "app/assembly/operation.h"
 #include "app/commands/this_call.h"
+#include "app/commands/unfinished.h"
 #include "app/head/build.h"
 #include "app/head/report.h"
 #include "app/pictures/pictures.h"
@@ -18,7 +19,7 @@
 
 namespace limberg {
 
-int operate_head(const Scene& scene, const Script& script, const CommonOptions& common) {
+int operate_head(const Scene& scene, const Script& script, bool keep_going, const CommonOptions& common) {
   WorkersPool workers(common.worker_count());
   const int64_t t0 = RealClock::monotonic_ns();
   const std::unique_ptr<World> world = make_world(scene, workers);
@@ -29,8 +30,11 @@ int operate_head(const Scene& scene, const Script& script, const CommonOptions& 
   OperationSettings set;
   set.interrupted = interrupted;
   set.progress = [&](size_t done, size_t total) { progress.show(double(done), double(total), "actions"); };
+  set.keep_going = keep_going;
   std::string notes;
+  std::vector<Command> actions;  // that were carried out
   set.on_done = [&](const ScriptLine& l, const std::string& note) {
+    actions.push_back(l.command);
     if (!note.empty())
       notes += "  note      line " + std::to_string(l.line) + ", " + action_name(l.command) + ": " + note + "\n";
   };
@@ -38,10 +42,7 @@ int operate_head(const Scene& scene, const Script& script, const CommonOptions& 
   if (!common.out_dir.empty()) patient.fill_with_field(first);  // for the pictures
   const OperationOutcome o = operate(patient, script, set);
   progress.clear();
-  if (o.interrupted) {
-    say("interrupted; nothing was written");
-    return kGoalMissed;
-  }
+  const bool whole = !tell_unfinished(o, script.lines.size(), script.name);
   std::printf("scene       %s, built in %.1f s\n", scene.name.c_str(), built_s);
   std::fputs(notes.c_str(), stdout);
   print_head(head);
@@ -53,15 +54,14 @@ int operate_head(const Scene& scene, const Script& script, const CommonOptions& 
   run.solve_ms = o.solve_ms, run.residual = o.last.residual;
   run.state_hash = hex(patient.state_hash()), run.topology_hash = hex(patient.topology_hash());
   run.memory_mb = peak_memory_mb();
-  write_fields(r, "", run);
-  std::vector<Command> actions;
-  for (const ScriptLine& l : script.lines) actions.push_back(l.command);
   ResultStory story;
+  fill_unfinished(run, story, o);
+  write_fields(r, "", run);
   story.script = script_of(actions);
   write_fields(r, "", story);
   fill_head(r, head);
   VerdictOf look;
-  look.residual = o.last.residual;
+  look.residual = o.last.residual, look.cut_short = o.interrupted;
   std::optional<Metrics> metrics;
   if (world->skin()) {
     metrics = measure_world(*world, actions);
@@ -78,7 +78,7 @@ int operate_head(const Scene& scene, const Script& script, const CommonOptions& 
   fill_verdict(r, verdict);
   for (const StageRow& s : o.stages) append(r, "/stages", stage_of(s));
   const bool at_rest = o.last.residual <= 1e-4;
-  const bool reached = at_rest && !is_bad(verdict);
+  const bool reached = whole && at_rest && !is_bad(verdict);
   r.set_ok(reached);
   if (!common.out_dir.empty()) {
     Snapshot last;
@@ -89,7 +89,7 @@ int operate_head(const Scene& scene, const Script& script, const CommonOptions& 
   write_fields(r, "", made_by(this_call()));
   leave_result(r, common);
   print_verdict(verdict);
-  if (!at_rest) say("the patient did not come to rest: the face still moves");
+  if (!at_rest && !o.interrupted) say("the patient did not come to rest: the face still moves");
   return reached ? kDone : kGoalMissed;
 }
 

@@ -5,6 +5,6 @@
 namespace limberg {
 
 /// `operate` on a scene with a head: one run, to rest.
-int operate_head(const Scene& scene, const Script& script, const CommonOptions& common);
+int operate_head(const Scene& scene, const Script& script, bool keep_going, const CommonOptions& common);
 
 }  // namespace limberg

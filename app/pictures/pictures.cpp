@@ -156,19 +156,27 @@ void draw_report_pictures(const std::string& dir, const std::vector<StageRow>& s
   if (!last.topology) return;
   draw_maps(dir, last);
   try {
+    Progress progress("drawing");
+    int drawn = 0;
+    const auto next = [&] { progress.show(++drawn, double(stages.size()) + 5, "pictures"); };
     PictureMaker pictures(1280, 720);
     pictures.focus_from(last);
     if (!stages.empty()) prepare_folder(dir + "/" + report_names::stages_dir);
-    for (const StageRow& s : stages)
+    for (const StageRow& s : stages) {
+      next();
       if (s.shown.topology)
         write_png(dir + "/" + report_names::stage_picture(s.number, s.name), pictures.skin(s.shown, titled(s.name)));
+    }
+    next();
     write_png(dir + "/" + report_names::overview, pictures.skin(last));
+    next();
     if (!last.field.empty())
       write_png(dir + "/" + report_names::tension, pictures.tension(last, titled("Tension of the skin")));
     SkinFields fields;
     for (const auto& [field, file] :
          {std::pair(SkinField::height, report_names::height), std::pair(SkinField::moved, report_names::moved),
           std::pair(SkinField::perfusion, report_names::risk)}) {
+      next();
       const FieldShown& shown = fields.show(field, last);
       const SkinFieldLook& look = look_of(field);
       if (!shown.value.empty())

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 
 #include "app/program/shown.h"
@@ -17,9 +18,9 @@ void Progress::show(double done, double total, const char* unit) {
   if (shown_ && now - last_ns_ < 100 * kNsPerMs) return;
   last_ns_ = now;
   shown_ = true;
-  if (total > 0)
-    std::fprintf(stderr, "\r%s  %.1f of %.1f %s  %3.0f %%\033[K", label_.c_str(), done, total, unit,
-                 100 * done / total);
+  if (total > 0)  // whole things are counted, seconds and megabytes have tenths
+    std::fprintf(stderr, "\r%s  %.*f of %.*f %s  %3.0f %%\033[K", label_.c_str(), done != std::round(done), done,
+                 total != std::round(total), total, unit, 100 * done / total);
   else
     std::fprintf(stderr, "\r%s  %.1f %s\033[K", label_.c_str(), done, unit);
   std::fflush(stderr);

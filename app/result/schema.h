@@ -139,14 +139,14 @@ void fields(ResultPicture& x, F&& f) {
   f("picture", x.picture), f("caption", x.caption);
 }
 
-/// refused: acts that the patient refused.
+/// refused: acts that the patient refused; t_s of a session, line of a script.
 struct ResultRefusal {
-  Maybe t_s;
+  Maybe t_s, line;
   std::string action, reason;
 };
 template <class F>
 void fields(ResultRefusal& x, F&& f) {
-  f("t_s", x.t_s), f("action", x.action), f("reason", x.reason);
+  f("t_s", x.t_s), f("line", x.line), f("action", x.action), f("reason", x.reason);
 }
 
 /// convergence/N/difference: from the coarser lattice before it.

@@ -87,7 +87,7 @@ ResultStory story_of(const Assembly& a) {
   story.commands = a.solver.commands();
   story.script = script_of(a.done);
   story.refused.emplace();
-  for (const Refusal& x : a.solver.refused()) story.refused->push_back({x.t_s, x.command, x.reason});
+  for (const Refusal& x : a.solver.refused()) story.refused->push_back({x.t_s, {}, x.command, x.reason});
   return story;
 }
 

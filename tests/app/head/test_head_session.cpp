@@ -151,7 +151,8 @@ TEST(HeadSession, TwoGlovesDrawTwoFragmentsApart) {
     EXPECT_NEAR(went[0], -10, 0.5);
     EXPECT_NEAR(went[1], 10, 0.5);
     int grabs = 0, let_go = 0;
-    for (const Command& c : a.done) grabs += action_name(c) == "grab", let_go += action_name(c) == "let_go";
+    for (const Command& c : a.done)
+      grabs += action_name(c) == std::string("grab"), let_go += action_name(c) == std::string("let_go");
     EXPECT_EQ(grabs, 2);
     EXPECT_EQ(let_go, 2);
   }

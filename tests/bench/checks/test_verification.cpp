@@ -14,7 +14,7 @@ void expect_all(const Result& r) {
   for (const Bar& b : r.bars) EXPECT_TRUE(b.pass) << b.name << ": " << b.value << ", bar " << b.bar;
 }
 
-VerificationSettings quick() { return {true, {}}; }
+VerificationSettings quick() { return {true, {}, {}}; }
 
 TEST(Verification, EvenStatesOfEveryLaw) {
   Result r;

@@ -7,8 +7,8 @@
 
 namespace limberg::bench {
 
-// Floors: what a hand's noise moves (stitches lie within .2 mm of where they were meant, docs/validation.md) of lengths,
-// and of areas and volumes that along a wound of 90 mm; a tenth of the smaller closure force.
+// Floors: what a hand's noise moves (stitches lie within .2 mm of where they were meant, validation.md) of lengths, and
+// of areas and volumes that along a wound of 90 mm; a tenth of the smaller closure force.
 const std::vector<LiveFigure> kLiveFigures{{"closure_force_N", 0.1},
                                            {"elongation", 0.1},
                                            {"scar_length_mm", 1},
