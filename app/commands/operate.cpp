@@ -214,7 +214,7 @@ int run_operate(const OperateOptions& opt) {
   Result result("operate", scene.name);
   std::vector<Row> rows;
   std::vector<ResultVerdict> verdict;  // of the finest
-  std::vector<Command> carried_out;  // of the finest
+  std::vector<Command> carried_out;    // of the finest
   bool at_rest = true, whole = true;
   for (size_t i = 0; i < cells.size(); ++i) {
     WorldSpec spec = world_spec(scene, body);

@@ -1,7 +1,7 @@
 #pragma once
 // `limberg bench live`: recordings played in real time (`limberg replay --realtime`), each many times: alone, and
-// beside one and two threads that only use time. Every run has two cores to itself and its neighbours; a machine with more
-// cores has several runs at once, on pairs of their own. What is asked:
+// beside one and two threads that only use time. Every run has two cores to itself and its neighbours; a machine with
+// more cores has several runs at once, on pairs of their own. What is asked:
 //
 //   came out    the exit status is that of lockstep, all its acts are done, none more
 //   as lockstep figures of the end (kLiveFigures) within 5 % of lockstep's, of the figure or of its floor
