@@ -236,10 +236,11 @@ int of_recording(const ExportOptions& o, Written& out) {
     else
       moments->step(world, t_s, *hands);
   };
+  bool ended = false;  // an interrupt that comes later than that changes nothing
   const int status = run_session(std::move(call), [&](Result&, Assembly& a) {
-    if (!interrupted()) moments->end(*a.world);
+    if (!interrupted()) ended = true, moments->end(*a.world);
   });
-  if (interrupted()) return kGoalMissed;
+  if (!ended) return kGoalMissed;
   moments->check();
   out = std::move(moments->out), out.scene = scene.name;
   return status;
@@ -268,7 +269,7 @@ int run_export(const ExportOptions& o) {
   } else {
     status = of_recording(o, written);
   }
-  if (interrupted()) {
+  if (written.moments.empty()) {
     say("export: interrupted; what has been written to " + o.common.out_dir + " until then is kept, and no more");
     return kGoalMissed;
   }

@@ -1,13 +1,14 @@
 #pragma once
 // The operation as one glTF 2.0 file (.glb), which any viewer opens, turns and plays.
 //
-//   Surface   for each version of the surface between two cuts a mesh with a primitive for each thing (skin, wound, side,
-//             face, bone); how it moves is morph targets, one for each further frame, run through by an animation. Nodes
-//             are shown in their time: their scale steps from 0 to 1 and back.
+//   Surface   for each version of the surface between two cuts a mesh with a primitive for each thing (skin, wound,
+//             side, face, bone); how it moves is morph targets, one for each further frame, run through by an
+//             animation. Nodes are shown in their time: their scale steps from 0 to 1 and back.
 //   Stitches and hooks are lines, in the same way.
 //
-// Metres and y up, as glTF wants it: the root node scales mm and turns z up into y up. No normals: where none are given a
-// viewer shades each triangle flat, which stays right however a flap is turned. asset.extras lists the moments and times.
+// Metres and y up, as glTF wants it: the root node scales mm and turns z up into y up. No normals: where none are given
+// a viewer shades each triangle flat, which stays right however a flap is turned. asset.extras lists the moments and
+// times.
 //
 // Written here, without tinygltf: nlohmann/json, which is there, writes the JSON, and a package more for everybody who
 // builds would save a hundred lines. Specification: Khronos, glTF 2.0, 2021; tests/app/export/test_gltf.cpp checks the

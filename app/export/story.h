@@ -2,8 +2,8 @@
 // An operation as files that other programs turn, measure and play, gathered while it is carried out:
 //
 //   at a moment     lattice.vtu, skin.vtp in its folder (vtk_files.h)
-//   at the end      operation.glb (gltf.h), lattice.pvd and skin.pvd, which name the files of all moments, and the tables
-//                   measures.csv, forces.csv, hands.csv (tables.h)
+//   at the end      operation.glb (gltf.h), lattice.pvd and skin.pvd, which name the files of all moments, and the
+//                   tables measures.csv, forces.csv, hands.csv (tables.h)
 //
 // What is written at the end is not there when the work was interrupted; every file is whole or not at all.
 #include <string>

@@ -3,8 +3,8 @@
 //
 //   measures.csv   moment,t_s,state_hash, then every figure of `limberg measures` that is one number, by its name;
 //                  empty where it does not apply
-//   forces.csv     t_s,moment,kind,id,thread,force_N,gap_mm,x_mm,y_mm,z_mm: each stitch (at its middle) and hook (at the
-//                  skin; its gap is the way from there to its handle), at every moment and frame
+//   forces.csv     t_s,moment,kind,id,thread,force_N,gap_mm,x_mm,y_mm,z_mm: each stitch (at its middle) and hook (at
+//                  the skin; its gap is the way from there to its handle), at every moment and frame
 //   hands.csv      t_s,hand,tool,pressed,x_mm,y_mm,z_mm,shaft_x,shaft_y,shaft_z: the tip at every solver step of a
 //                  recording while it is tracked; hand: stylus, glove, other glove (whose place is between the fingers)
 #include <string>

@@ -1,12 +1,12 @@
 #pragma once
 // The lattice and the skin as VTK's XML files, which ParaView opens: values in binary, little endian, after the XML
-// (appended, raw). mm, kPa. VTK itself is not linked: the format is a page of XML (VTK File Formats, "XML File Formats"),
-// and tests/app/export/read_vtk.py reads the files with VTK.
+// (appended, raw). mm, kPa. VTK itself is not linked: the format is a page of XML (VTK File Formats, "XML File
+// Formats"), and tests/app/export/read_vtk.py reads the files with VTK.
 //
 //   vtu   each copy of each cell of the lattice as a hexahedron: displacement at its corners; stretch, stress (xx yy zz
 //         xy yz xz), pressure, material, fraction, piece (sim/measure/lattice_fields.h)
-//   vtp   the surface's triangles, their kind and organ; displacement at the corners; of skin stretch, stress, rest area
-//   pvd   which file belongs to which time
+//   vtp   the surface's triangles, their kind and organ; displacement at the corners; of skin stretch, stress, rest
+//   area pvd   which file belongs to which time
 // Both name in their field data the moment, its time and the patient's hash.
 #include <span>
 #include <string>

@@ -1,5 +1,5 @@
-// The animated file of an operation: the rules of glTF 2.0 that its validator checks and that can be broken here, and that
-// what is in it is the patient. Read back by a reader of its own.
+// The animated file of an operation: the rules of glTF 2.0 that its validator checks and that can be broken here, and
+// that what is in it is the patient. Read back by a reader of its own.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -106,7 +106,7 @@ TEST(LatticeFields, CopiesOfACellHaveTheirShares) {
   InlineWorkers w;
   World world(one_layer(), w);
   const size_t before = lattice_fields(*world.skin()).node.size();
-  ASSERT_TRUE(world.apply(Excise{{{-8, -8}, {8, -8}, {8, 8}, {-8, 8}}, 4, true}).done);
+  ASSERT_TRUE(world.apply(Excise{{{-8, -8}, {8, -8}, {8, 8}, {-8, 8}}, 7, true}).done);
   const LatticeFields f = lattice_fields(*world.skin());
   EXPECT_NE(f.node.size(), before);
   double mm3 = 0;
