@@ -34,7 +34,7 @@ def _action_function(name, forms):
             lines += ["", name + form["form"] + ":"]
         lines += [form["help"], ""]
         for f in form["fields"]:
-            rest = ", ".join(w for w in (f["kind"], f["limits"] + (" " + f["unit"] if f["unit"] and f["limits"] else ""),
+            rest = ", ".join(w for w in (f["kind"], (f["limits"] + " " + f["unit"]).strip(),
                                          "" if f["required"] else "left out: " + (f["default"] or "none")) if w)
             lines.append(f"    {f['key']}: {f['help']} ({rest})")
         lines += ["", "    " + form["example"]]
