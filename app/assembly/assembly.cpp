@@ -1,11 +1,7 @@
 #include "app/assembly/assembly.h"
 
-#include <cmath>
-
-#include "app/head/build.h"
 #include "app/program/version.h"
 #include "sim/base/error.h"
-#include "sim/skull/bone/rigid_world.h"
 
 namespace limberg {
 
@@ -27,14 +23,6 @@ std::unique_ptr<ScriptWriter> open_script(const std::string& file, const Scene& 
 
 }  // namespace
 
-std::unique_ptr<World> make_world(const Scene& scene, Workers& workers) {
-  if (!scene.head) return std::make_unique<World>(world_spec(scene, build_body(scene)), workers);
-  if (const std::string why = bone::why_no_physics(); !why.empty()) throw InputError(scene.path, 0, why);
-  const HeadSettings head{1e-3 * ticks_per_solver_step(scene), scene.head->carries_skin_mm};
-  if (!scene.flesh) return std::make_unique<World>(head_parts(scene, workers), workers, head);
-  return std::make_unique<World>(world_spec(scene, build_body(scene)), head_parts(scene, workers), workers, head);
-}
-
 Repro blank_repro(const Scene& scene, double cell_mm, uint64_t seed) {
   Repro r;
   r.program = program_name();
@@ -45,23 +33,11 @@ Repro blank_repro(const Scene& scene, double cell_mm, uint64_t seed) {
   return r;
 }
 
-int ticks_per_solver_step(const Scene& scene) { return std::max(1, int(std::floor(1000.0 / scene.steps_per_s))); }
-
-StepSettings step_settings(const Scene& scene, bool real_time) {
-  StepSettings s;
-  s.max_iterations = scene.iterations_per_step;
-  s.tolerance = 1e-5;  // a patient at rest costs nothing; single precision reaches about 4e-6
-  if (scene.dynamic) s.dt_s = 1e-3 * ticks_per_solver_step(scene);
-  s.damping_per_s = scene.damping_per_s, s.integrator = scene.integrator;
-  s.adopt_when_ready = real_time;
-  return s;
-}
-
 namespace {
 
-std::function<void(double)> steps_watched(const AssemblyOptions& o, const World& world) {
+std::function<void(double, const HandState&)> steps_watched(const AssemblyOptions& o, const World& world) {
   if (!o.watch) return {};
-  return [watch = o.watch, &world](double t_s) { watch(world, nullptr, t_s); };
+  return [watch = o.watch, &world](double t_s, const HandState& hands) { watch(world, nullptr, t_s, &hands); };
 }
 
 }  // namespace
@@ -85,7 +61,7 @@ Assembly::Assembly(Scene scene_in, const Calibration& calibration_in, const Asse
                          .sample_states = o.record,
                          .after_step = steps_watched(o, *world)},
           [this, watch = o.watch](const Command& c) {
-            if (watch) watch(*world, &c, 0);
+            if (watch) watch(*world, &c, 0, nullptr);
             done.push_back(c);
             repro.done(c);
             if (!script || !script_error.empty()) return;

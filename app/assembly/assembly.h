@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "app/assembly/patient_of_scene.h"
 #include "app/assembly/repro.h"
 #include "app/assembly/world_patient.h"
 #include "app/scene/scene.h"
@@ -25,8 +26,8 @@ struct AssemblyOptions {
   PictureSink* sink = nullptr;
   std::string repro_dir;    // where refused cuts leave a file to try them again; empty: nowhere
   std::string script_file;  // the session's own script; empty: none
-  /// Looks at the patient after each act, and (null) after each step, which has a time; changes nothing.
-  std::function<void(const World& world, const Command* act, double t_s)> watch = {};
+  /// Looks at the patient after each act, and (null) after each step, which has a time and hands; changes nothing.
+  std::function<void(const World& world, const Command* act, double t_s, const HandState* hands)> watch = {};
 };
 
 class Assembly {
@@ -54,11 +55,7 @@ class Assembly {
   RenderLane render;
 };
 
-/// The patient that a scene asks for: skin, head, or both.
-std::unique_ptr<World> make_world(const Scene& scene, Workers& workers);
 /// What every repro file of this scene begins with.
 Repro blank_repro(const Scene& scene, double cell_mm, uint64_t seed);
-int ticks_per_solver_step(const Scene& scene);
-StepSettings step_settings(const Scene& scene, bool real_time);
 
 }  // namespace limberg

@@ -4,9 +4,9 @@
 #include <filesystem>
 
 #include "app/program/temporary_folder.h"
-#include "app/result/output.h"
 #include "sim/base/error.h"
 #include "sim/base/quoted.h"
+#include "sim/base/whole_file.h"
 
 namespace limberg {
 

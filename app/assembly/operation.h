@@ -8,7 +8,7 @@
 
 #include "app/assembly/world_patient.h"
 #include "app/scene/scene.h"
-#include "app/session/solver_lane.h"
+#include "app/session/story.h"
 #include "sim/commands/script.h"
 
 namespace limberg {

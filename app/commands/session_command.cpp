@@ -201,12 +201,6 @@ void print_summary(const SessionCall& call, const Assembly& a, const SessionFigu
 
 }  // namespace
 
-Scene open_scene(const std::string& name_or_path) {
-  std::vector<std::string> folders;
-  for (const std::string& root : shipped_roots()) folders.push_back(root == "." ? "app/scenes" : root + "/app/scenes");
-  return load_scene(find_scene(name_or_path, folders));
-}
-
 void leave_result(const Result& result, const CommonOptions& common) {
   if (!common.json_file.empty()) result.write(common.json_file);
   if (common.out_dir.empty()) return;

@@ -8,6 +8,7 @@
 #include "app/assembly/bundle.h"
 #include "app/assembly/device_specs.h"
 #include "app/assembly/lesson.h"
+#include "app/assembly/patient_of_scene.h"
 #include "app/commands/commands.h"
 #include "app/operating_point/operating_point.h"
 #include "app/pictures/film.h"
@@ -57,8 +58,9 @@ struct SessionCall {
   std::optional<FilmSettings> film;            // in lockstep: every frame goes into it
   // A window whose first word to the operator is this; empty: none. RenderUnavailable: goes on without
   std::function<std::unique_ptr<SessionWindow>(const Scene&, const std::string& word)> window;
-  std::optional<Lesson> lesson;                                                   // by which the session is judged
-  std::function<void(const World& world, const Command* act, double t_s)> watch;  // AssemblyOptions
+  std::optional<Lesson> lesson;  // by which the session is judged
+  std::function<void(const World& world, const Command* act, double t_s, const HandState* hands)>
+      watch;  // AssemblyOptions
   CommonOptions common;
 };
 
@@ -69,9 +71,6 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
 /// Writes result.json and report.html into the output folder and the JSON file, as asked.
 void leave_result(const Result& result, const CommonOptions& common);
 
-/// The scene of a name or path as the user typed it: a path, or one of the scenes shipped (found beside the program's
-/// source, or in app/scenes of the working folder).
-Scene open_scene(const std::string& name_or_path);
 /// A file's path from the root of the disk.
 std::string whole_path(const std::string& file);
 

@@ -1,8 +1,11 @@
 #include "app/program/shipped.h"
 
+#include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 
 #include "app/program/places.h"
+#include "sim/base/part.h"
 
 namespace limberg {
 
@@ -11,8 +14,12 @@ namespace fs = std::filesystem;
 std::vector<std::string> shipped_roots() {
   std::vector<std::string> roots{"."};
   std::error_code ec;
-  const fs::path program = fs::read_symlink("/proc/self/exe", ec);
-  if (!ec) roots.push_back((program.parent_path() / ".." / "share" / "limberg").lexically_normal().string());
+  if (const char* told = std::getenv("LIMBERG_DATA"); told && *told) roots.insert(roots.begin(), told);
+  for (const std::string& folder : folders_above_code()) {
+    const std::string share = folder + "/share/limberg";
+    if (fs::is_directory(share, ec) && std::find(roots.begin(), roots.end(), share) == roots.end())
+      roots.push_back(share);
+  }
   roots.push_back(source_dir());
   return roots;
 }

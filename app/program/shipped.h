@@ -5,8 +5,9 @@
 
 namespace limberg {
 
-/// The folders to look in for app/scenes, recordings and the like, best first: the working folder (a checkout), the
-/// share folder of an installation beside the running program, the source that the program was built from.
+/// The folders to look in for app/scenes, recordings and the like, best first: $LIMBERG_DATA where it is set, the
+/// working folder (a checkout), the share folder of an installation that the running program or the shared library with
+/// this code belongs to, the source that it was built from.
 std::vector<std::string> shipped_roots();
 
 /// A shipped file by its path in the tree ("recordings/rhomboid.jsonl"); empty when no root has it.

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "app/program/places.h"
+#include "app/program/shipped.h"
 #include "app/scene/scene_layers.h"
 
 namespace limberg {
@@ -69,7 +69,7 @@ std::string find_tissues(const std::string& scene_path) {
   const fs::path folder = fs::path(scene_path).parent_path();
   std::error_code ec;
   for (const fs::path& p : {folder / "tissues.toml", folder / ".." / "tissues.toml", folder / "../scene/tissues.toml",
-                            fs::path("app/scene/tissues.toml"), fs::path(source_dir() + "/app/scene/tissues.toml")})
+                            fs::path(shipped_file("app/scene/tissues.toml"))})
     if (fs::is_regular_file(p, ec)) return p.lexically_normal().string();
   return {};
 }

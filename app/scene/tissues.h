@@ -7,8 +7,8 @@
 //   [tissue.source]   per key of the above: where its value comes from. Every value needs one; one that was chosen says
 //                     "engineering choice"
 //
-// A scene takes the first of: tissues.toml beside it, in the folder above it, in the folder scene/ beside its own,
-// app/scene/tissues.toml, the one of the source tree.
+// A scene takes the first of: tissues.toml beside it, in the folder above it, in the folder scene/ beside its own, the
+// shipped one (app/program/shipped.h).
 #include <string>
 #include <utility>
 #include <vector>

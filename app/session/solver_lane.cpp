@@ -99,7 +99,7 @@ void SolverLane::answer_press() {
 void SolverLane::advance(int64_t tick, const StepSettings& s) {
   follow_hand();
   last_ = patient_.step(s);
-  if (settings_.after_step) settings_.after_step(seconds(tick));
+  if (settings_.after_step) settings_.after_step(seconds(tick), hand_);
   ++steps_;
   motion_.add(seconds(tick), hand_.tool);
   if (settings_.series_every > 0 && steps_ % uint64_t(settings_.series_every) == 0) {

@@ -12,6 +12,7 @@
 #include "app/session/channels.h"
 #include "app/session/hand_motion.h"
 #include "app/session/patient.h"
+#include "app/session/story.h"
 #include "devices/command_builder.h"
 
 namespace limberg {
@@ -23,29 +24,13 @@ struct SolverSettings {
   bool schedule = false;         // pass what each step found on to Channels::solver_takes
   int64_t hash_every = 60;       // with `schedule`: the state's hash goes with every n-th step, about once a second
   bool sample_states = false;    // every n-th step's places go to Channels::states
-  std::function<void(double t_s)> after_step = {};  // looks at the patient, changes nothing
+  std::function<void(double t_s, const HandState& hands)> after_step = {};  // looks at the patient, changes nothing
 };
 
 /// A command that the patient refused: nothing was changed.
 struct Refusal {
   double t_s = 0;
   std::string command, reason;
-};
-
-/// A row of the report: the patient when a stage was passed.
-struct StageRow {
-  int32_t number = 0;  // from 1
-  std::string name;
-  double t_s = 0;
-  Snapshot shown;  // for its picture; made and freed by the solver lane's owner
-};
-
-struct SolverSeries {
-  std::vector<float> t_s, residual, distance_mm;
-  std::vector<float> closure_N, suture_max_N;  // all stitches together, and the largest
-  void reserve(size_t n) {
-    t_s.reserve(n), residual.reserve(n), distance_mm.reserve(n), closure_N.reserve(n), suture_max_N.reserve(n);
-  }
 };
 
 class SolverLane {

@@ -8,9 +8,11 @@
 // A part is an implementation of a class of virtual functions, made by one function with C linkage. It includes the
 // program's headers and links none of its libraries.
 //
-// Parts lie in the folder parts/ beside the program or above it (a build), or in ../lib/limberg (an installation), and
-// nowhere else: neither the working folder nor LD_LIBRARY_PATH is asked.
+// Parts lie in parts/ (a build) or lib/limberg (an installation) of the folder of the program, of the shared library
+// that holds this code (Python's module), or of one of the four folders above these (as long as only their owner may
+// write to them), and nowhere else: neither the working folder nor LD_LIBRARY_PATH is asked.
 #include <string>
+#include <vector>
 
 namespace limberg {
 
@@ -18,6 +20,9 @@ struct LoadedPart {
   void* entry = nullptr;  // null: it cannot be had
   std::string why;        // then: what is missing, and what was expected
 };
+
+/// The folders of the running program and of the library that holds this code, and four above each: nearest first.
+std::vector<std::string> folders_above_code();
 
 /// `name`: "bullet"; `entry`: the function that makes it; `needs`: "Bullet (Debian: libbullet-dev)".
 LoadedPart load_part(const std::string& name, const char* entry, const std::string& needs);

@@ -11,9 +11,9 @@ namespace limberg {
 namespace {
 
 // The face as a body whose whole surface is skin: what tells its outer side.
-class Face {
+class FaceSurface {
  public:
-  Face(const SurfaceTopology& topology, std::vector<Vec3> places) {
+  FaceSurface(const SurfaceTopology& topology, std::vector<Vec3> places) {
     const SurfaceView& view = topology.view;
     auto body = std::make_shared<Body>();
     std::map<int32_t, int32_t> number;
@@ -64,9 +64,9 @@ BoneOutside bone_outside(const Snapshot& snapshot) {
   if (topology.organ.empty()) return out;
   std::vector<Vec3> now;
   for (const Vec3f& x : snapshot.x_mm) now.push_back(x.cast<double>());
-  const Face is(topology, now);
+  const FaceSurface is(topology, now);
   if (is.empty()) return out;
-  const Face was(topology, std::vector<Vec3>(view.X_mm.begin(), view.X_mm.end()));
+  const FaceSurface was(topology, std::vector<Vec3>(view.X_mm.begin(), view.X_mm.end()));
   constexpr double kSame_mm = 0.1;  // a scan's own error; what stood out so little farther before stands as it did
   std::vector<float> depth(now.size(), -1);
   for (size_t t = 0; t < view.tri.size(); ++t) {

@@ -35,7 +35,7 @@ std::string long_comments(std::istream& in, const std::string& name) {
 TEST(Columns, NoCommentIsWiderThanTheCode) {
   const fs::path root = limberg::source_dir();
   std::string text;
-  for (const char* wing : {"app", "calibration", "devices", "render", "sim", "tests"})
+  for (const char* wing : {"app", "calibration", "devices", "library", "render", "sim", "tests"})
     for (const auto& e : fs::recursive_directory_iterator(root / wing))
       if (e.path().extension() == ".h" || e.path().extension() == ".cpp") {
         std::ifstream in(e.path());

@@ -78,9 +78,10 @@ std::string dead_ends(const Page& page, const fs::path& root) {
     if (!fs::exists(root / fs::path(page.name).parent_path() / link)) found += page.name + ": " + link + "\n";
   }
   // Names of files of the tree stand in `...` or in an example; NAME and * stand for several.
-  for (std::string path :
-       matches(page.text,
-               R"((?:^|[^\w./~-])((?:app|calibration|devices|docs|recordings|render|sim|tests)/[\w./*-]*[\w*/]))")) {
+  for (
+      std::string path : matches(
+          page.text,
+          R"((?:^|[^\w./~-])((?:app|calibration|devices|docs|library|recordings|render|sim|tests)/[\w./*-]*[\w*/]))")) {
     if (path.find('*') != std::string::npos || std::regex_search(path, std::regex("[A-Z]{2,}(?!\\.md|ME)"))) continue;
     if (!fs::exists(root / path)) found += page.name + ": " + path + "\n";
   }

@@ -1,7 +1,7 @@
 // The arrows of the house, read from the include lines of the tree:
 //
-//   app -> render, devices, calibration, sim     render, devices -> sim's read-only parts     calibration -> itself
-//                                                                                             and plain words
+//   library -> what is installed                 app -> render, devices, calibration, sim
+//   render, devices -> sim's read-only parts     calibration -> itself and plain words
 //   sim -> sim, and in sim only downwards; no thread, no clock, no lock but that of a lazy value
 #include <gtest/gtest.h>
 
@@ -65,7 +65,7 @@ std::vector<Include> includes_of(const std::string& folder) {
 }
 
 bool own(const std::string& target) {
-  static const std::set<std::string> wings{"app", "calibration", "devices", "render", "sim", "tests"};
+  static const std::set<std::string> wings{"app", "calibration", "devices", "library", "render", "sim", "tests"};
   return target.find('/') != std::string::npos && wings.contains(wing(target));
 }
 
@@ -140,10 +140,29 @@ bool calibration_rule(const Include& i) {
   return !own(i.target) || wing(i.target) == "calibration" || words.contains(i.target);
 }
 
+// What others link sees of app/ only what is installed with it: nothing of windows, reports or sessions.
+bool library_rule(const Include& i) {
+  static const std::set<std::string> apps{"app/assembly/bundle.h",           "app/assembly/operation.h",
+                                          "app/assembly/patient_of_scene.h", "app/program/shipped.h",
+                                          "app/program/version.h",           "app/session/workers_pool.h"};
+  if (!own(i.target)) return true;
+  const std::string w = wing(i.target);
+  return w == "library" || w == "sim" || w == "devices" || w == "calibration" || i.target.starts_with("app/scene/") ||
+         apps.contains(i.target);
+}
+// Nobody of the house needs what is there for others.
+bool no_library(const Include& i) { return !own(i.target) || wing(i.target) != "library"; }
+
 TEST(Includes, SimKnowsNoClockNoThreadNoOtherWing) { EXPECT_EQ(offences(includes_of("sim"), sim_rule), ""); }
 TEST(Includes, DevicesSeeOnlyReadOnlySim) { EXPECT_EQ(offences(includes_of("devices"), devices_rule), ""); }
 TEST(Includes, RenderSeesOnlyReadOnlySim) { EXPECT_EQ(offences(includes_of("render"), render_rule), ""); }
 TEST(Includes, CalibrationStandsAlone) { EXPECT_EQ(offences(includes_of("calibration"), calibration_rule), ""); }
+
+TEST(Includes, TheLibrarySeesWhatIsInstalled) {
+  EXPECT_EQ(offences(includes_of("library"), library_rule), "");
+  for (const char* folder : {"app", "calibration", "devices", "render", "sim"})
+    EXPECT_EQ(offences(includes_of(folder), no_library), "");
+}
 
 TEST(Includes, HeavyHeadersStayOutOfHeaders) {
   const auto light = [](const Include& i) {
@@ -178,6 +197,8 @@ TEST(Includes, WrongArrowsAreSeen) {
   EXPECT_TRUE(refused(devices_rule, "devices/cursor.h", "app/session/session.h"));
   EXPECT_TRUE(refused(render_rule, "render/scene.cpp", "devices/sample.h"));
   EXPECT_TRUE(refused(calibration_rule, "calibration/pivot.h", "sim/geometry/bvh.h"));
+  EXPECT_TRUE(refused(library_rule, "library/python/world.cpp", "app/report/report.h"));
+  EXPECT_FALSE(refused(library_rule, "library/python/world.cpp", "app/scene/scene.h"));
   EXPECT_TRUE(refused(sim_rule, "sim/lattice/embedding.h", "sim/contact/contact_finder.h"));
   EXPECT_TRUE(refused(sim_rule, "sim/measure/penetration.cpp", "sim/contact/contact_finder.h"));
   EXPECT_FALSE(refused(sim_rule, "sim/patient/world.cpp", "sim/fem/solver/elastic_solver.h"));

@@ -1,0 +1,25 @@
+#pragma once
+// The patient that a scene asks for, and how it is stepped.
+//
+//   Scene scene = open_scene("rhomboid");                            // a shipped one, or a file
+//   std::unique_ptr<World> world = make_world(scene, workers);
+//   world->step(step_settings(scene, false));
+#include <memory>
+#include <string>
+
+#include "app/scene/scene.h"
+#include "sim/patient/world.h"
+
+namespace limberg {
+
+/// The scene of a name or path as the user typed it: a path, or one of the scenes shipped (shipped.h says where they
+/// are looked for). InputError as load_scene, or with the names to be had.
+Scene open_scene(const std::string& name_or_path);
+
+/// Skin, head, or both. InputError: what build_body and head_parts throw; a head where no fragment can be held.
+std::unique_ptr<World> make_world(const Scene& scene, Workers& workers);
+int ticks_per_solver_step(const Scene& scene);
+/// `real_time`: a new preconditioner is taken as soon as it is there.
+StepSettings step_settings(const Scene& scene, bool real_time);
+
+}  // namespace limberg

@@ -1,0 +1,22 @@
+# Limberg::suitesparse: CHOLMOD's orders and supernodes, and METIS. Used by the build and by those who link the library.
+# As archives, where there are any: the shared library would bring BLAS, LAPACK, Fortran and OpenMP into every start, with a
+# thread for each core. Debian's archives are not position independent: a build with LIMBERG_PIC takes the shared one.
+if(NOT TARGET Limberg::suitesparse)
+  find_path(CHOLMOD_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse REQUIRED)
+  set(limberg_suitesparse_files)
+  foreach(limberg_part cholmod amd camd colamd ccolamd suitesparseconfig)
+    set(limberg_names ${limberg_part})
+    if(NOT LIMBERG_PIC)
+      list(PREPEND limberg_names lib${limberg_part}.a)
+    endif()
+    find_library(LIMBERG_${limberg_part} NAMES ${limberg_names} REQUIRED)
+    list(APPEND limberg_suitesparse_files ${LIMBERG_${limberg_part}})
+  endforeach()
+  find_library(METIS_LIBRARY metis REQUIRED)
+  add_library(Limberg::suitesparse INTERFACE IMPORTED GLOBAL)
+  target_include_directories(Limberg::suitesparse SYSTEM INTERFACE ${CHOLMOD_INCLUDE_DIR})
+  target_link_libraries(Limberg::suitesparse INTERFACE ${limberg_suitesparse_files} ${METIS_LIBRARY})
+  unset(limberg_suitesparse_files)
+  unset(limberg_part)
+  unset(limberg_names)
+endif()

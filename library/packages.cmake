@@ -1,0 +1,42 @@
+# Debian packages, one for each component: cpack, in the build folder, once the program is built (its tests need not be).
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_PACKAGE_NAME limberg)
+set(CPACK_PACKAGE_CONTACT "the Limberg developers")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "Real-time trainer for open reconstructive surgery")
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_GROUPING IGNORE)
+set(CPACK_COMPONENTS_ALL data dev)
+if(LIMBERG_APP)
+  list(APPEND CPACK_COMPONENTS_ALL program)
+endif()
+if(LIMBERG_PYTHON)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
+set(version "(= ${PROJECT_VERSION})")
+
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME limberg)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "limberg-data ${version}")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "libosmesa6 | libegl1, fonts-dejavu-core, ffmpeg")
+
+set(CPACK_COMPONENT_DATA_DESCRIPTION "Scenes, lessons and recordings of Limberg")
+set(CPACK_DEBIAN_DATA_PACKAGE_NAME limberg-data)
+set(CPACK_DEBIAN_DATA_PACKAGE_ARCHITECTURE all)
+
+set(CPACK_COMPONENT_DEV_DESCRIPTION "Limberg's library: headers, archives, find_package(Limberg)")
+set(CPACK_DEBIAN_DEV_PACKAGE_NAME liblimberg-dev)
+set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS
+  "libeigen3-dev, libfmt-dev, zlib1g-dev, libsuitesparse-dev, libmetis-dev, limberg-data ${version}")
+
+set(CPACK_COMPONENT_PYTHON_DESCRIPTION "Limberg in Python: import limberg")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-limberg)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy, limberg-data ${version}")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS limberg)  # its parts, for bones that are held
+include(CPack)
