@@ -123,6 +123,7 @@ int of_folder(const ExportOptions& o, std::string& scene_name, std::vector<Expor
   if (path.empty()) throw InputError(file, 0, "does not say where its scene lies; expected --scene FILE beside it");
   Scene scene = open_scene(path);
   if (call.cell_mm > 0) scene.cell_mm = call.cell_mm;
+  if (call.seed) scene.seed = *call.seed;  // of a repro-N.json, another than the scene's
   WorkersPool workers(o.common.worker_count());
   const std::unique_ptr<World> world = make_world(scene, workers);
   WorldPatient patient(*world, scene.tools.max_depth_mm);
