@@ -83,12 +83,15 @@ run_tests() {
 
 # The recording is replayed; the same operation by script at three cell sizes gives the small table in the report (a head has
 # no cells). That table is kept until program, scene or script change.
+# The scene of a shipped script, which its first line names.
+scene_of() { sed -n '1s/.*"scene":"\([^"]*\)".*/\1/p' "recordings/$1.jsonl"; }
+
 demo() {
   local name=$1 out=out/demo
   local table=$out/convergence.json
   [ -f "recordings/$name.lcm" ] || { echo "limberg: recordings/$name.lcm: no such recording; expected one of: $(cd recordings && ls -- *.lcm | tr '\n' ' ')" >&2; exit 2; }
   mkdir -p "$out"
-  if [ -f "recordings/$name.jsonl" ] && ! grep -q "^\[head\]" "app/scenes/$name.toml"; then
+  if [ -f "recordings/$name.jsonl" ] && ! grep -q "^\[head\]" "app/scenes/$(scene_of "$name").toml"; then
     local stamp="$name $(cat build/limberg "app/scenes/$name.toml" "recordings/$name.jsonl" | cksum)"
     if [ ! -f "$table" ] || [ "$(cat "$out/.convergence" 2>/dev/null)" != "$stamp" ]; then
       # Status 3: one of them has something bad in its verdict, and says so; the table stands.
@@ -133,9 +136,9 @@ case "${1:-help}" in
     ;;
   record)
     build limberg
-    for name in ${2:-rhomboid zplasty craniofacial}; do
+    for name in ${2:-rhomboid zplasty craniofacial le_fort_1 sagittal_split genioplasty autorotation}; do
       case "$name" in zplasty) seed=3 ;; *) seed=7 ;; esac  # as recordings/README.md says
-      build/limberg emulate "$name" "recordings/$name.jsonl" --out "recordings/$name.lcm" --seed "$seed" --replace
+      build/limberg emulate "$(scene_of "$name")" "recordings/$name.jsonl" --out "recordings/$name.lcm" --seed "$seed" --replace
     done
     ;;
   bench)

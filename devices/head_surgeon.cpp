@@ -194,7 +194,7 @@ struct EmulatedHeadSurgeon::Impl {
   }
 
   void plan(const CutBone& c) {
-    if (c.contour_mm.size() < 3) return problem("a plane is no gesture; expected an osteotomy by a contour");
+    if (c.contour_mm.size() < 3) return tell(c);
     choose(ControlSample::select_tool, Tool::saw);
     if (!stylus) return plan_pushed(c);
     Act to = press_down(c.contour_mm.front());
@@ -290,10 +290,10 @@ struct EmulatedHeadSurgeon::Impl {
   void plan(const HeadCommand& h) {
     if (const auto* c = std::get_if<CutBone>(&h)) return plan(*c);
     if (const auto* m = std::get_if<MoveFragment>(&h)) return plan(*m);
-    if (std::holds_alternative<Superpose>(h) || std::holds_alternative<PlaceLandmark>(h)) return tell(h);
-    problem(
-        "no gesture of saw and glove; expected osteotomies by contours, moves of fragments, landmarks and "
-        "superpositions");
+    if (std::holds_alternative<GrabFragment>(h) || std::holds_alternative<DragFragment>(h) ||
+        std::holds_alternative<LetGo>(h))
+      return problem("a grab, drag or letting go is what the hand makes of a move; expected move_fragment");
+    tell(h);
   }
   template <class Other>
   void plan(const Other&) {

@@ -7,7 +7,8 @@
 //   move_fragment           the glove: points at the place that the line
 //                           names (or at the middle of the fragment), closes,
 //                           moves by the map that the line means, opens
-//   landmark, superpose     chosen away from the hand, as with keys
+//   everything else         told away from the hand, as from the panel of the window: planes and blades (no hand saws
+//                           a plane free), plates, joins, work on the surface, tissue, landmarks, superpositions
 //   stage, wait, undo, redo as the stylus does them
 //
 // With the stylus alone (HeadHands::stylus) a fragment is gripped by its tip and goes where the stylus is moved and
@@ -15,8 +16,8 @@
 // the surface cursor comes there, and thumb and forefinger close and push it round the contour. The eye sees where the
 // cursor is (ToolFollower) and the hand corrects, as anybody's does; then it opens, points and grabs.
 //
-// Everything else (planes, plates, joins, tissue) is no gesture: a line in problems(). Noise,
-// tremor and gaps are those of SurgeonSettings; everything random comes from its seed. The glove is
+// A grab, drag or letting go of a script is no gesture: a line in problems(). Noise, tremor
+// and gaps are those of SurgeonSettings; everything random comes from its seed. The glove is
 // that of the shipped calibration: tips at the sensors, the forefinger along its sensor's x axis.
 #include <memory>
 #include <string>

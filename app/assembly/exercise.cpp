@@ -21,6 +21,10 @@ Exercise exercise(std::span<const Command> script, const Metrics& m, const std::
     e.threads_cut += std::holds_alternative<CutSuture>(c);
     e.undos += std::holds_alternative<Undo>(c);
     e.redos += std::holds_alternative<Redo>(c);
+    if (const auto* h = std::get_if<HeadCommand>(&c)) {
+      e.osteotomies += std::holds_alternative<CutBone>(*h) || std::holds_alternative<CutBoneByBlade>(*h);
+      e.bone_moves += std::holds_alternative<MoveFragment>(*h) || std::holds_alternative<LetGo>(*h);
+    }
   }
   e.stitches = int(m.sutures.size());
   for (const SutureFigure& s : m.sutures) {
@@ -42,6 +46,7 @@ ResultExercise figures_of(const Exercise& e) {
     x.tracked_s = e.hand->tracked_s, x.pressed_s = e.hand->pressed_s;
     x.tracking_gaps = e.hand->gaps, x.tracking_lost_s = e.hand->lost_s;
   }
+  if (e.osteotomies + e.bone_moves > 0) x.osteotomies = e.osteotomies, x.bone_moves = e.bone_moves;
   x.cuts = e.cuts, x.hooks = e.hooks, x.hook_moves = e.hook_moves, x.stitches = e.stitches;
   x.threads_cut = e.threads_cut, x.undos = e.undos, x.redos = e.redos, x.refused = e.refused;
   x.gaps_open = e.gaps_open, x.peaks_over_2_5_N = e.peaks_over_2_5_N, x.peaks_over_5_N = e.peaks_over_5_N;
@@ -53,10 +58,9 @@ ResultExercise figures_of(const Exercise& e) {
 
 }  // namespace
 
-std::vector<Judgement> fill_exercise(Result& r, const Exercise& e, const Metrics& m, const Lesson* lesson) {
+std::vector<Judgement> fill_exercise(Result& r, const Exercise& e, LessonValues measured, const Lesson* lesson) {
   write_fields(r, "/exercise", figures_of(e));
   if (!lesson) return {};
-  LessonValues measured = lesson_values(m, e.design);
   std::map<std::string, double>& values = measured.value;
   values["undos"] = e.undos;
   if (e.time_s) values["time_s"] = *e.time_s;
@@ -67,12 +71,11 @@ std::vector<Judgement> fill_exercise(Result& r, const Exercise& e, const Metrics
       return !j.value && (j.name == "time_s" || j.name == "path_mm" || j.name == "movements");
     });
   std::vector<ResultTolerance> tolerances;
-  for (const Judgement& x : judged)
-    tolerances.push_back({x.name, x.unit, x.limit, x.value, x.met, x.value ? "" : x.why});
+  for (const Judgement& x : judged) tolerances.push_back({x.name, x.unit, x.limit, x.value, x.met, x.why});
   const bool all_met = std::all_of(judged.begin(), judged.end(), [](const Judgement& x) { return x.met; });
   write_fields(r, "/lesson",
                ResultLesson{lesson->title, lesson->goal, lesson->file, unless_empty(std::move(tolerances)), all_met,
-                            unless_empty(lesson->hints)});
+                            unless_empty(lesson->steps), unless_empty(lesson->hints)});
   return judged;
 }
 
@@ -81,8 +84,8 @@ void print_judgements(const std::vector<Judgement>& judged) {
     const std::string value =
         j.value ? fmt::format("{:.3g}", std::abs(*j.value) < 1e-6 ? 0 : *j.value) : std::string("-");
     fmt::print("lesson      {:<14} {:>8} of at most {:6.3g} {:<8} {}\n", j.name, value, j.limit, j.unit,
-               j.met     ? "met"
-               : j.value ? "missed"
+               j.met     ? std::string("met")
+               : j.value ? "missed" + (j.why.empty() ? "" : ": " + j.why)
                          : "not measured: " + j.why);
   }
 }

@@ -14,6 +14,7 @@
 #include "sim/base/elementary.h"
 #include "sim/commands/procedures/catalogue.h"
 #include "sim/commands/strokes.h"
+#include "sim/measure/cephalometry.h"
 #include "sim/measure/plan.h"
 #include "sim/measure/table.h"
 
@@ -26,6 +27,7 @@ struct Known {
   const char* measure;
   const char* unit;
   double hi;
+  enum Of { skin, bone, hand } of = skin;
 };
 constexpr Known kKnown[] = {{"corner_mm", nullptr, "mm", 100},
                             {"angle_deg", nullptr, "degrees", 180},
@@ -39,10 +41,23 @@ constexpr Known kKnown[] = {{"corner_mm", nullptr, "mm", 100},
                             {"step_off_mm", "step_off_mm", "mm", 50},
                             {"landmark_mm", "landmark_max_mm", "mm", 100},
                             {"waste_mm2", "waste_mm2", "mm2", 1e5},
-                            {"time_s", nullptr, "s", 1e5},
-                            {"path_mm", nullptr, "mm", 1e7},
-                            {"movements", nullptr, "", 1e6},
-                            {"undos", nullptr, "", 1e5}};
+                            {"pieces_wrong", nullptr, "", 100, Known::bone},
+                            {"piece_mm", nullptr, "mm", 100, Known::bone},
+                            {"piece_deg", nullptr, "degrees", 180, Known::bone},
+                            {"sideways_mm", nullptr, "mm", 100, Known::bone},
+                            {"forwards_mm", nullptr, "mm", 100, Known::bone},
+                            {"upwards_mm", nullptr, "mm", 100, Known::bone},
+                            {"stays_mm", nullptr, "mm", 100, Known::bone},
+                            {"midline_mm", nullptr, "mm", 100, Known::bone},
+                            {"osteotomy_gap_mm", nullptr, "mm", 100, Known::bone},
+                            {"osteotomy_overlap_mm", nullptr, "mm", 100, Known::bone},
+                            {"bone_outside_mm", nullptr, "mm", 100, Known::bone},
+                            {"cephalometry_mm", nullptr, "mm", 100, Known::bone},
+                            {"cephalometry_deg", nullptr, "degrees", 180, Known::bone},
+                            {"time_s", nullptr, "s", 1e5, Known::hand},
+                            {"path_mm", nullptr, "mm", 1e7, Known::hand},
+                            {"movements", nullptr, "", 1e6, Known::hand},
+                            {"undos", nullptr, "", 1e5, Known::hand}};
 constexpr double kMissing_mm = 10;
 
 double angle_deg(const Vec2& a, const Vec2& b, const Vec2& c) {
@@ -82,6 +97,115 @@ ChartPoint point_of(const toml::node& n, const std::string& file, const std::str
   return {*x, *y};
 }
 
+std::vector<std::string> texts_of(const toml::table& root, const char* key, const std::string& file) {
+  std::vector<std::string> out;
+  const toml::node* n = root.get(key);
+  if (!n) return out;
+  const toml::array* a = n->as_array();
+  if (!a || a->size() > 50)
+    throw InputError(file, int(n->source().begin.line),
+                     std::string(key) + " is no list of at most 50 texts; expected [\"...\", ...]");
+  for (const toml::node& e : *a) {
+    const auto text = e.value<std::string>();
+    if (!text || text->empty() || text->size() > 2000)
+      throw InputError(file, int(e.source().begin.line),
+                       std::string(key) + " holds something that is no text; expected [\"...\", ...]");
+    out.push_back(*text);
+  }
+  return out;
+}
+
+PlannedProcedure procedure_of(const toml::table& root, const std::string& file) {
+  PlannedProcedure plan;
+  Table p = section(root, "procedure", file);
+  if (!p.has("name")) throw InputError(file, 0, "[procedure] names none; expected name = \"...\" of limberg procedure");
+  p.text("name", plan.procedure);
+  const Procedure* known = nullptr;
+  try {
+    known = &find_procedure(plan.procedure);
+  } catch (const InputError& e) {
+    p.fail("name", std::string("is ") + e.what());
+  }
+  p.real("turn_deg", plan.turn_deg, -360, 360);
+  p.boolean("mirror", plan.mirrored);
+  if (const toml::node* n = root.get("procedure")->as_table()->get("at_mm"))
+    plan.at = point_of(*n, file, "procedure.at_mm");
+  const toml::table* values = p.table("values");
+  p.finish({"at_mm"});
+  Table v(values, "procedure.values", file);
+  for (const ProcedureParameter& q : known->parameters) {
+    if (!v.has(q.name.c_str())) continue;
+    double value = q.value;
+    v.real(q.name.c_str(), value, q.lo, q.hi);
+    plan.values.emplace_back(q.name, value);
+  }
+  if (values) {
+    std::string list;
+    for (const ProcedureParameter& q : known->parameters) list += (list.empty() ? "" : ", ") + q.name;
+    for (const auto& [k, n] : *values)
+      if (std::none_of(known->parameters.begin(), known->parameters.end(),
+                       [&, key = std::string(k.str())](const auto& q) { return q.name == key; }))
+        throw InputError(file, int(n.source().begin.line),
+                         "unknown parameter \"" + std::string(k.str()).substr(0, 40) + "\" of " + known->name +
+                             "; expected " + list);
+  }
+  return plan;
+}
+
+PlannedPiece piece_of(const toml::table& t, const std::string& file) {
+  PlannedPiece piece;
+  Table p(&t, "bone.piece", file);
+  if (!p.has("name")) p.fail("name", "is missing; expected what the piece is called");
+  p.text("name", piece.name, 60);
+  piece.holds = texts_of(t, "holds", file), piece.apart_from = texts_of(t, "apart_from", file);
+  piece.about = texts_of(t, "about", file);
+  if (piece.holds.empty()) p.fail("holds", "names no landmark; expected those that lie on the piece");
+  for (const auto& [key, to, most] : {std::tuple("move_mm", &piece.move.translation_mm, 500.),
+                                      std::tuple("turn_deg", &piece.move.rotation_deg, 360.)}) {
+    std::vector<double> x;
+    p.numbers(key, x, -most, most, false, 3);
+    if (!x.empty() && x.size() != 3) p.fail(key, "has not three numbers; expected [x, y, z]");
+    if (!x.empty()) *to = Vec3(x[0], x[1], x[2]);
+  }
+  p.finish({"holds", "apart_from", "about"});
+  return piece;
+}
+
+BonePlan bones_of(const toml::table& root, const std::string& file) {
+  BonePlan plan;
+  Table b = section(root, "bone", file);
+  b.integer("fragments", 1, 1000, [&](int64_t n) { plan.fragments = int(n); });
+  const toml::table& t = *root.get("bone")->as_table();
+  plan.stays = texts_of(t, "stays", file);
+  if (const toml::node* n = t.get("piece")) {
+    const toml::array* a = n->as_array();
+    if (!a) throw InputError(file, int(n->source().begin.line), "bone.piece is no list; expected [[bone.piece]]");
+    for (const toml::node& e : *a) {
+      if (!e.is_table())
+        throw InputError(file, int(e.source().begin.line), "bone.piece is no table; expected [[bone.piece]]");
+      plan.pieces.push_back(piece_of(*e.as_table(), file));
+    }
+  }
+  if (plan.pieces.empty()) throw InputError(file, 0, "[bone] has no piece; expected at least one [[bone.piece]]");
+  if (const toml::table* c = b.table("cephalometry")) {
+    Table figures(c, "bone.cephalometry", file);
+    for (const CephalometricMeasure& m : cephalometric_measures()) {
+      if (!figures.has(m.name.c_str())) continue;
+      double wanted = 0;
+      figures.real(m.name.c_str(), wanted, -360, 1000);
+      plan.cephalometry.emplace_back(m.name, wanted);
+    }
+    for (const auto& [k, n] : *c)
+      if (std::none_of(plan.cephalometry.begin(), plan.cephalometry.end(),
+                       [&, key = std::string(k.str())](const auto& x) { return x.first == key; }))
+        throw InputError(
+            file, int(n.source().begin.line),
+            "unknown figure \"" + std::string(k.str()).substr(0, 40) + "\"; expected one of cephalometry, as overjet");
+  }
+  b.finish({"stays", "piece"});
+  return plan;
+}
+
 }  // namespace
 
 bool looks_like_lesson(std::string_view text) {
@@ -98,53 +222,12 @@ Lesson parse_lesson(const std::string& text, const std::string& file) {
   top.text("lesson", l.title, 200);
   top.text("goal", l.goal, 4000);
   top.text("scene", l.scene);
-  if (const toml::node* n = root.get("hints")) {
-    const toml::array* a = n->as_array();
-    if (!a || a->size() > 50)
-      throw InputError(file, int(n->source().begin.line),
-                       "hints is no list of at most 50 texts; expected [\"...\", ...]");
-    for (const toml::node& e : *a) {
-      const auto hint = e.value<std::string>();
-      if (!hint || hint->empty() || hint->size() > 2000)
-        throw InputError(file, int(e.source().begin.line),
-                         "hints holds something that is no text; expected [\"...\", ...]");
-      l.hints.push_back(*hint);
-    }
-  }
-  top.finish({"hints", "procedure", "tolerance", "landmarks"});
-
-  Table p = section(root, "procedure", file);
-  if (!p.has("name")) throw InputError(file, 0, "[procedure] names none; expected name = \"...\" of limberg procedure");
-  p.text("name", l.plan.procedure);
-  const Procedure* known = nullptr;
-  try {
-    known = &find_procedure(l.plan.procedure);
-  } catch (const InputError& e) {
-    p.fail("name", std::string("is ") + e.what());
-  }
-  p.real("turn_deg", l.plan.turn_deg, -360, 360);
-  p.boolean("mirror", l.plan.mirrored);
-  if (const toml::node* n = root.get("procedure")->as_table()->get("at_mm"))
-    l.plan.at = point_of(*n, file, "procedure.at_mm");
-  const toml::table* values = p.table("values");
-  p.finish({"at_mm"});
-  Table v(values, "procedure.values", file);
-  for (const ProcedureParameter& q : known->parameters) {
-    if (!v.has(q.name.c_str())) continue;
-    double value = q.value;
-    v.real(q.name.c_str(), value, q.lo, q.hi);
-    l.plan.values.emplace_back(q.name, value);
-  }
-  if (values) {
-    std::string list;
-    for (const ProcedureParameter& q : known->parameters) list += (list.empty() ? "" : ", ") + q.name;
-    for (const auto& [k, n] : *values)
-      if (std::none_of(known->parameters.begin(), known->parameters.end(),
-                       [&, key = std::string(k.str())](const auto& q) { return q.name == key; }))
-        throw InputError(file, int(n.source().begin.line),
-                         "unknown parameter \"" + std::string(k.str()).substr(0, 40) + "\" of " + known->name +
-                             "; expected " + list);
-  }
+  l.steps = texts_of(root, "steps", file), l.hints = texts_of(root, "hints", file);
+  top.finish({"steps", "hints", "procedure", "bone", "tolerance", "landmarks"});
+  if (!root.contains("procedure") && !root.contains("bone"))
+    throw InputError(file, 0, "has neither [procedure] nor [bone]; expected what the lesson is about");
+  if (root.contains("procedure")) l.plan = procedure_of(root, file);
+  if (root.contains("bone")) l.bone = bones_of(root, file);
 
   Table t = section(root, "tolerance", file);
   for (const Known& k : kKnown) {
@@ -153,11 +236,17 @@ Lesson parse_lesson(const std::string& text, const std::string& file) {
       t.real(k.name, none, 0, k.hi);
       continue;
     }
+    if (k.of == Known::bone && !l.bone) t.fail(k.name, "is asked of bones, and there is no [bone]; expected one");
+    if (k.of == Known::skin && !l.plan) t.fail(k.name, "is asked of skin, and there is no [procedure]; expected one");
     double limit = 0;
     t.real(k.name, limit, 0, k.hi);
     l.tolerances.emplace_back(k.name, limit);
   }
   t.finish();
+  // Whatever else a lesson on bones asks is of no use where the wrong piece was cut.
+  if (l.bone &&
+      std::none_of(l.tolerances.begin(), l.tolerances.end(), [](const auto& x) { return x.first == "pieces_wrong"; }))
+    l.tolerances.insert(l.tolerances.begin(), {"pieces_wrong", 0});
   if (l.tolerances.empty()) throw InputError(file, 0, "[tolerance] holds nothing; expected at least one limit");
   if (const toml::node* n = root.get("landmarks")) {
     if (!n->is_table())
@@ -275,6 +364,7 @@ std::vector<Judgement> judge(const Lesson& lesson, const LessonValues& values) {
       j.why = "what was measured is no number";
     } else {
       j.value = at->second, j.met = at->second <= limit;
+      if (const auto where = values.place.find(name); where != values.place.end()) j.why = where->second;
     }
     out.push_back(std::move(j));
   }

@@ -5,32 +5,37 @@
 //   goal = "..."                            in a sentence or two
 //   scene = "rhomboid"                      name of a shipped scene or path of a scene file
 //   hints = ["...", "..."]
-//   [procedure]
+//   steps = ["...", "..."]                  in their order
+//   [procedure]                             of skin
 //   name = "rhomboid"                       of the repertoire (limberg procedure)
 //   at_mm = [0, 0], turn_deg, mirror        where it is laid
 //   [procedure.values]  side_mm = 20        parameters that differ from the procedure's own
-//   [tolerance]                             at most; only those that are given are judged
+//   [bone]                                  of bones: bone_lesson.h; one of the two at least
+//   [tolerance]                             at most; only those that are given are judged, and pieces_wrong of bones
 //   corner_mm, angle_deg, limb_percent      of the cuts against the plan (design_error)
 //   gap_mm, suture_N, suture_peak_N, closure_N, dog_ear_mm, wound_gape_mm, step_off_mm, landmark_mm, waste_mm2
 //                                           of result.json's metrics; gap_mm: of the bites of a stitch, wound_gape_mm:
 //                                           of the edge between stitches, 95 % of it
+//   pieces_wrong, piece_mm, piece_deg, sideways_mm, forwards_mm, upwards_mm, stays_mm, midline_mm, osteotomy_gap_mm,
+//   osteotomy_overlap_mm, bone_outside_mm, cephalometry_mm, cephalometry_deg      of bones (bone_lesson.h)
 //   time_s, path_mm, movements, undos       of the hand; judged where there was one
 //   [landmarks]  ala = [x, y]               places that must not be drawn away
 //
 // Reading is strict, as of scenes. There is no grade: each tolerance is met or not, with its value beside it.
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "app/assembly/bone_lesson.h"
 #include "sim/measure/metrics.h"
 
 namespace limberg {
 
 struct Lesson {
   std::string file, title, goal, scene;
-  std::vector<std::string> hints;
-  PlannedProcedure plan;
+  std::vector<std::string> steps, hints;
+  std::optional<PlannedProcedure> plan;  // of skin
+  std::optional<BonePlan> bone;
   std::vector<std::pair<std::string, double>> tolerances;  // by name, in the file's order of the list above
   std::vector<Landmark> landmarks;
 };
@@ -68,13 +73,8 @@ struct Judgement {
   std::string name, unit;
   double limit = 0;
   std::optional<double> value;  // nothing: it could not be measured
-  std::string why;              // not: what was looked for, and what was found; empty where there is a value
+  std::string why;              // not: what was looked for, and what was found; otherwise where, or empty
   bool met = false;
-};
-/// What was measured, and why the rest was not, by the names of tolerances.
-struct LessonValues {
-  std::map<std::string, double> value;
-  std::map<std::string, std::string> why_not;
 };
 std::vector<Judgement> judge(const Lesson& lesson, const LessonValues& values);
 LessonValues lesson_values(const Metrics& metrics, const std::optional<DesignError>& error);

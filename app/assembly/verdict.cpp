@@ -173,7 +173,8 @@ std::vector<ResultVerdict> verdict_of(const VerdictOf& of) {
                   of.bone->depth_mm > 0
                       ? fmt::format("({:.1f}, {:.1f}, {:.1f}) mm, fragment {}, {:.0f} mm²", of.bone->at_mm.x(),
                                     of.bone->at_mm.y(), of.bone->at_mm.z(), of.bone->object, of.bone->area_mm2)
-                      : "");
+                      : "",
+                  "bone_outside_mm");
   if (of.pace) look_at_pace(lines, *of.pace);
   if (!(of.residual <= kAtRest))
     lines.add("not at rest: relative residual", of.residual, "", kAtRest,

@@ -65,7 +65,9 @@ Kind recognise(const std::string& file, std::string_view text) {
   if (ends(".lcm")) return Kind::recording;
   if (text.find("[[tissue]]") != std::string_view::npos && text.find("[body]") == std::string_view::npos)
     return Kind::tissues;
-  if (looks_like_lesson(text) && text.find("[procedure]") != std::string_view::npos) return Kind::lesson;
+  if (looks_like_lesson(text) &&
+      (text.find("[procedure]") != std::string_view::npos || text.find("[[bone.piece]]") != std::string_view::npos))
+    return Kind::lesson;
   if (ends(".toml")) return Kind::scene;
   if (ends(".obj")) return Kind::surface;
   if (text.find("\nv ") != std::string_view::npos || text.starts_with("v ")) return Kind::surface;
@@ -318,15 +320,41 @@ void check_script(const Script& script, const std::string& file, bool with_plan,
            script.header.note.empty() ? file : script.header.note, svg);
 }
 
-void check_lesson(const Lesson& l, bool with_plan, const std::string& svg) {
-  const Skin skin(build_body(scene_of(l.file, l.scene)));
-  const PlanOnSkin plan = plan_on(skin, l.plan);
-  std::printf("lesson      %s\n            %s\n", l.title.c_str(), l.goal.c_str());
-  std::printf("scene       %s\nprocedure   %s at (%g, %g) mm, turned by %g degrees%s\n", l.scene.c_str(),
-              l.plan.procedure.c_str(), l.plan.at.x(), l.plan.at.y(), l.plan.turn_deg,
-              l.plan.mirrored ? ", mirrored" : "");
+void tell_lesson(const Lesson& l) {
+  std::printf("lesson      %s\n            %s\nscene       %s\n", l.title.c_str(), l.goal.c_str(), l.scene.c_str());
+}
+void tell_tolerances(const Lesson& l) {
   for (const auto& [name, limit] : l.tolerances) std::printf("  at most   %s %g\n", name.c_str(), limit);
-  std::printf("hints       %zu\n", l.hints.size());
+  std::printf("steps       %zu\nhints       %zu\n", l.steps.size(), l.hints.size());
+}
+
+/// Landmarks and figures that it names are there.
+void check_bone_lesson(const Lesson& l) {
+  tell_lesson(l);
+  for (const PlannedPiece& p : l.bone->pieces) {
+    std::string names;
+    for (const std::string& n : p.holds) names += " " + n;
+    const Vec3 &t = p.move.translation_mm, &r = p.move.rotation_deg;
+    std::printf("piece       %s, with%s: by (%g, %g, %g) mm, turned by (%g, %g, %g) degrees\n", p.name.c_str(),
+                names.c_str(), t.x(), t.y(), t.z(), r.x(), r.y(), r.z());
+  }
+  tell_tolerances(l);
+  const Scene scene = scene_of(l.file, l.scene);
+  if (!scene.head) throw InputError(l.file, 0, "is a lesson on bones, and its scene has no [head]; expected one");
+  WorkersPool workers(1);
+  if (const std::string missing = plan_lacks(*l.bone, head_parts(scene, workers).landmarks); !missing.empty())
+    throw InputError(l.file, 0, "asks for what its head lacks: " + missing + "; expected its landmarks");
+}
+
+void check_lesson(const Lesson& l, bool with_plan, const std::string& svg) {
+  if (l.bone) return check_bone_lesson(l);
+  const Skin skin(build_body(scene_of(l.file, l.scene)));
+  const PlannedProcedure& p = *l.plan;
+  const PlanOnSkin plan = plan_on(skin, p);
+  tell_lesson(l);
+  std::printf("procedure   %s at (%g, %g) mm, turned by %g degrees%s\n", p.procedure.c_str(), p.at.x(), p.at.y(),
+              p.turn_deg, p.mirrored ? ", mirrored" : "");
+  tell_tolerances(l);
   // Every corner of the plan lies on the skin, or the lesson cannot be done.
   for (const auto* lines : {&plan.figure.excisions, &plan.figure.incisions})
     for (const auto& line : *lines)

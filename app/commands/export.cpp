@@ -215,6 +215,7 @@ int of_folder(const ExportOptions& o, Written& out) {
   if (path.empty()) throw InputError(file, 0, "does not say where its scene lies; expected --scene FILE beside it");
   Scene scene = open_scene(path);
   if (call.cell_mm > 0) scene.cell_mm = call.cell_mm;
+  if (call.seed) scene.seed = *call.seed;  // of a repro-N.json, another than the scene's
   return of_script(o, std::move(scene), call.script, out);
 }
 

@@ -113,7 +113,12 @@ void fill_operation(Result& r, const World& world, const Scene& scene, const Ope
   for (const Held h : m.fixed) free_nodes += !h.all();
   ResultRun run;
   run.scene_title = scene.name, run.scene_note = scene.note, run.scene_path = whole_path(scene.path);
-  run.lattice = {world.skin()->spec().cell_mm, m.X_mm.size(), o.cells, m.cells.size(), 3 * free_nodes};
+  run.lattice = {world.skin()->spec().cell_mm,
+                 int64_t(world.skin()->spec().seed),
+                 m.X_mm.size(),
+                 o.cells,
+                 m.cells.size(),
+                 3 * free_nodes};
   run.solve_ms = o.solve_ms, run.residual = o.last.residual, run.distance_mm = o.last.distance_mm;
   run.state_hash = hex(world.state_hash()), run.topology_hash = hex(world.topology_hash());
   run.memory_mb = peak_memory_mb();
@@ -176,12 +181,15 @@ int run_operate(const OperateOptions& opt) {
   std::optional<double> share;
   if (!opt.error.empty() && !(share = parse_share(opt.error)))
     throw InputError("", 0, "--error: '" + opt.error + "' is none; expected a share of each figure from 0.1% to 100%");
+  std::optional<Lesson> lesson;
+  if (!opt.lesson.empty()) lesson = open_lesson(opt.lesson);
+  if (lesson) check_lesson(*lesson, scene);
   if (scene.head) {
-    if (!opt.cells.empty() || share || !opt.orders.empty() || !opt.lesson.empty() || !opt.fields.empty())
+    if (!opt.cells.empty() || share || !opt.orders.empty() || !opt.fields.empty())
       throw InputError(
           opt.scene, 0,
-          "has a head: --cells, --error, --orders, --judge and --fields are for scenes of skin; expected none of them");
-    return operate_head(scene, script, opt.keep_going, opt.common);
+          "has a head: --cells, --error, --orders and --fields are for scenes of skin; expected none of them");
+    return operate_head(scene, script, lesson ? &*lesson : nullptr, opt.keep_going, opt.common);
   }
   std::vector<double> cells = opt.cells;
   for (size_t i = 1; i < cells.size(); ++i)
@@ -200,11 +208,7 @@ int run_operate(const OperateOptions& opt) {
 
   std::vector<Command> actions;
   for (const ScriptLine& l : script.lines) actions.push_back(l.command);
-  std::optional<Lesson> lesson;
-  if (!opt.lesson.empty()) lesson = open_lesson(opt.lesson);
-  if (lesson)
-    if (const std::string other = made_for_another(*lesson, scene.name, scene.path); !other.empty()) say(other);
-  MeasureAlso also{lesson ? std::optional(lesson->plan) : script.header.plan, scene.landmarks, {}};
+  MeasureAlso also{lesson ? lesson->plan : script.header.plan, scene.landmarks, {}};
   also.landmarks.insert(also.landmarks.end(), script.header.landmarks.begin(), script.header.landmarks.end());
   if (lesson) also.landmarks.insert(also.landmarks.end(), lesson->landmarks.begin(), lesson->landmarks.end());
   const Skin skin(body);
@@ -271,8 +275,9 @@ int run_operate(const OperateOptions& opt) {
     if (i + 1 < cells.size()) continue;
     fill_operation(result, world, scene, o, rows.back().key);
     fill_closure(result, o.closure);
-    const std::vector<Judgement> judged = fill_exercise(result, exercise(carried_out, rows.back().key, planned),
-                                                        rows.back().key, lesson ? &*lesson : nullptr);
+    const Exercise done = exercise(carried_out, rows.back().key, planned);
+    const std::vector<Judgement> judged =
+        fill_exercise(result, done, lesson_values(rows.back().key, done.design), lesson ? &*lesson : nullptr);
     print_judgements(judged);
     VerdictOf look;
     look.metrics = &rows.back().key, look.body = body.get(), look.cell_mm = cells[i], look.judged = judged;

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "app/assembly/assembly.h"
+#include "app/assembly/exercise.h"
 #include "app/assembly/operation.h"
 #include "app/commands/this_call.h"
 #include "app/commands/unfinished.h"
@@ -19,11 +20,13 @@
 
 namespace limberg {
 
-int operate_head(const Scene& scene, const Script& script, bool keep_going, const CommonOptions& common) {
+int operate_head(const Scene& scene, const Script& script, const Lesson* lesson, bool keep_going,
+                 const CommonOptions& common) {
   WorkersPool workers(common.worker_count());
   const int64_t t0 = RealClock::monotonic_ns();
   const std::unique_ptr<World> world = make_world(scene, workers);
   const Head& head = *world->head();
+  if (lesson) check_lesson(*lesson, &head);
   const double built_s = double(RealClock::monotonic_ns() - t0) * 1e-9;
   WorldPatient patient(*world, scene.tools.max_depth_mm);
   Progress progress("operate");
@@ -74,6 +77,11 @@ int operate_head(const Scene& scene, const Script& script, bool keep_going, cons
     patient.fill(s);
     look.bone = bone_outside(s);
   }
+  const std::vector<Judgement> judged =
+      fill_exercise(r, exercise(actions, metrics.value_or(Metrics{}), std::nullopt),
+                    lesson ? bone_values(*lesson->bone, head, look.bone, actions) : LessonValues{}, lesson);
+  print_judgements(judged);
+  look.judged = judged;
   const std::vector<ResultVerdict> verdict = verdict_of(look);
   fill_verdict(r, verdict);
   for (const StageRow& s : o.stages) append(r, "/stages", stage_of(s));

@@ -1,14 +1,18 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 
 #include "app/commands/numbers.h"
 #include "app/commands/session_command.h"
+#include "app/head/build.h"
+#include "app/patient/operations.h"
 #include "app/result/output.h"
 #include "app/result/progress.h"
 #include "app/result/tables.h"
+#include "app/session/workers_pool.h"
 #include "sim/base/error.h"
 #include "sim/body/skin.h"
 #include "sim/commands/procedures/catalogue.h"
@@ -34,6 +38,55 @@ int list() {
     for (const ProcedureParameter& q : p.parameters)
       std::printf("    %-13s %g (%g to %g): %s\n", q.name.c_str(), q.value, q.lo, q.hi, q.help.c_str());
   }
+  std::printf("\non bones, of a scene with a [head]:\n");
+  for (const KnownOperation& k : known_operations())
+    std::printf("%-15s %s\n    %-13s %g (%g to %g)\n", k.name, k.about, k.parameter, k.usual, k.least, k.most);
+  return kDone;
+}
+
+/// The value of the one parameter of an operation on bone.
+double bone_amount_of(const KnownOperation& k, const std::vector<std::string>& settings) {
+  double amount = k.usual;
+  for (const std::string& s : settings) {
+    const size_t eq = s.find('=');
+    size_t used = 0;
+    double value = NAN;
+    try {
+      if (eq != std::string::npos) value = std::stod(s.substr(eq + 1), &used);
+    } catch (const std::exception&) {
+    }
+    if (eq == std::string::npos || s.substr(0, eq) != k.parameter || used != s.size() - eq - 1 ||
+        !(value >= k.least && value <= k.most))
+      throw InputError("", 0,
+                       fmt::format("--set {}: cannot be set; expected {}=VALUE with a value from {:g} to {:g}",
+                                   s.substr(0, 60), k.parameter, k.least, k.most));
+    amount = value;
+  }
+  return amount;
+}
+
+/// Its script, written from the landmarks and meshes of a scene's head.
+int on_bones(const ProcedureOptions& o, const KnownOperation& k) {
+  if (!o.svg.empty()) throw InputError(o.svg, 0, "an operation on bone has no plan on the skin; expected no --plan");
+  const double amount = bone_amount_of(k, o.settings);
+  const Scene scene = open_scene(o.scene);
+  if (!scene.head)
+    throw InputError(o.scene, 0,
+                     std::string("has no [head], which ") + k.name + " is laid on; expected one with bones");
+  WorkersPool workers(1);
+  HeadParts parts = head_parts(scene, workers);
+  OperationGround ground;
+  for (bone::NamedMesh& b : parts.bones) ground.bones.emplace_back(b.name, std::move(b.mesh));
+  for (const HeadLandmark& l : parts.landmarks) ground.landmarks.push_back({l.name, l.X_mm, 0, l.on_face});
+  PlannedOperation p = plan_operation(ground, k.name, amount, workers);
+  if (!p.made()) throw InputError(o.scene, 0, fmt::format("{} cannot be laid on this head: {}", k.name, p.why));
+  p.script.header.scene = o.scene;
+  std::printf("%s\n", p.title.c_str());
+  if (!o.out.empty()) {
+    write_whole_file(o.out, to_text(p.script));
+    std::printf("%zu actions in %s; limberg operate %s %s carries them out\n", p.script.lines.size(), o.out.c_str(),
+                o.scene.c_str(), o.out.c_str());
+  }
   return kDone;
 }
 
@@ -45,6 +98,8 @@ int procedure(ProcedureOptions o) {
     if (std::error_code ec; !o.replace && std::filesystem::is_regular_file(o.out, ec))
       throw InputError(o.out, 0, "exists already; expected the name of a new file, or --replace");
   }
+  for (const KnownOperation& k : known_operations())
+    if (o.name == k.name) return on_bones(o, k);
   const Procedure& p = find_procedure(o.name);
   const std::vector<double> values = procedure_values(p, o.settings);
   const Figure figure = p.figure(values);
@@ -87,7 +142,7 @@ int procedure(ProcedureOptions o) {
 void add_procedure(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<ProcedureOptions>();
   CLI::App* c = app.add_subcommand(
-      "procedure", "A classical operation laid on any skin: its script, its plan, where it will stand up");
+      "procedure", "A classical operation laid on any skin or skull: its script, its plan, where it will stand up");
   c->add_option("NAME", o->name, "Which; none: a list with all parameters");
   c->add_option("--scene", o->scene, "Scene file, or the name of a shipped scene (default rhomboid)");
   c->add_option("--set", o->settings, "A parameter")

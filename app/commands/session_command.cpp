@@ -293,14 +293,6 @@ std::string keep_after_failure(const std::optional<AsideRecording>& aside, Recor
 
 namespace {
 
-void check_lesson(const SessionCall& call) {
-  if (!call.lesson) return;
-  if (!call.scene.flesh)
-    throw InputError(call.scene.name, 0, "has no skin: --judge is for scenes of skin; expected none");
-  if (const std::string other = made_for_another(*call.lesson, call.scene.name, call.scene.path); !other.empty())
-    say(other);
-}
-
 /// Where the recording goes is settled before anything is built.
 std::optional<AsideRecording> settle_recording(SessionCall& call) {
   std::optional<AsideRecording> aside;
@@ -443,8 +435,23 @@ std::string whole_path(const std::string& file) {
   return ec ? file : whole.string();
 }
 
+void check_lesson(const Lesson& lesson, const Scene& scene) {
+  const bool skin = scene.flesh && !scene.head;  // of a scene with both, the bones are judged
+  if (lesson.bone ? !scene.head : !skin)
+    throw InputError(lesson.file, 0,
+                     "is a lesson on " + std::string(lesson.bone ? "bones" : "skin") + ", and the scene " + scene.name +
+                         " is judged by its " + (scene.head ? "bones" : "skin") + "; expected a lesson on those");
+  if (const std::string other = made_for_another(lesson, scene.name, scene.path); !other.empty()) say(other);
+}
+
+void check_lesson(const Lesson& lesson, const Head* head) {
+  if (!lesson.bone || !head) return;
+  if (const std::string missing = plan_lacks(*lesson.bone, head->landmarks()); !missing.empty())
+    throw InputError(lesson.file, 0, "asks for what this head lacks: " + missing + "; expected its landmarks");
+}
+
 int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>& after) {
-  check_lesson(call);
+  if (call.lesson) check_lesson(*call.lesson, call.scene);
   catch_interrupts();
   call.common.prepare();
   const std::optional<AsideRecording> aside = settle_recording(call);
@@ -464,6 +471,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   }
   Assembly a(std::move(call.scene), call.calibration, o);
   a.solver.expect(std::move(call.expected_states));
+  if (call.lesson) check_lesson(*call.lesson, a.head);
   call.scene_files.reset();
   if (call.goes_on)
     for (auto& s : call.goes_on->earlier) a.front.add(std::move(s));

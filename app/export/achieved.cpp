@@ -16,12 +16,6 @@ namespace {
 
 constexpr size_t kMostPlanBytes = size_t(1) << 26;
 
-Vec3 middle_of(const Surface& s) {
-  Vec3 sum = Vec3::Zero();
-  for (const Vec3& x : s.x_mm) sum += x;
-  return s.x_mm.empty() ? sum : Vec3(sum / double(s.x_mm.size()));
-}
-
 /// STL has each corner by itself: those with the same bits are one.
 Surface joined(const Surface& s) {
   Surface out;
@@ -41,7 +35,7 @@ Surface joined(const Surface& s) {
 
 /// Of the vertex that is farthest from the middle.
 double reach_mm(const Surface& s) {
-  const Vec3 middle = middle_of(s);
+  const Vec3 middle = middle_of(s.x_mm);
   double most = 0;
   for (const Vec3& x : s.x_mm) most = std::max(most, (x - middle).norm());
   return most;
@@ -80,7 +74,7 @@ Achieved planned_against_achieved(const std::vector<PlannedFragment>& plan, cons
     const IcpResult own = icp(f.surface, target, laid.map, s, workers);
     if (own) {
       const Similarity off = laid.map.inverse() * own.map;
-      const Vec3 middle = middle_of(f.surface);
+      const Vec3 middle = middle_of(f.surface.x_mm);
       a.off_mm = off(middle) - middle, a.off_deg = off.angle_deg(), a.rms_mm = own.rms_mm;
     } else {
       a.reason = own.reason;

@@ -17,6 +17,8 @@ OperatedCall operated_call(const std::string& text, const std::string& file) {
   OperatedCall out;
   out.scene_path = result_json::words(member(r, "scene_path"));
   out.cell_mm = result_json::number(member(member(r, "lattice"), "cell_mm")).value_or(0);
+  const nlohmann::json& seed = member(member(r, "lattice"), "seed");
+  if (seed.is_number_unsigned()) out.seed = seed.get<uint64_t>();
   out.script.name = file;
   const nlohmann::json& lines = member(r, "script");
   if (!lines.is_array() || lines.empty()) throw InputError(file, 0, "holds no script; expected what `operate` writes");

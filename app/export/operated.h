@@ -1,5 +1,7 @@
 #pragma once
 // What `operate` has left of itself in its result.json: enough to carry it out again.
+#include <cstdint>
+#include <optional>
 #include <string>
 
 #include "sim/commands/script.h"
@@ -7,8 +9,9 @@
 namespace limberg {
 
 struct OperatedCall {
-  std::string scene_path;  // empty: the result does not say
-  double cell_mm = 0;      // 0: the scene's own
+  std::string scene_path;        // empty: the result does not say
+  double cell_mm = 0;            // 0: the scene's own
+  std::optional<uint64_t> seed;  // that the lattice was made with; nothing: the scene's own
   Script script;
 };
 

@@ -47,17 +47,6 @@ SolidFigures solid_figures(const Surface& s) {
   return out;
 }
 
-Surface compacted(const Surface& s) {
-  Surface out;
-  std::vector<int32_t> number(s.x_mm.size(), -1);
-  for (const Tri& t : s.tri)
-    for (const int32_t v : t) number[size_t(v)] = 0;
-  for (size_t v = 0; v < number.size(); ++v)
-    if (number[v] == 0) number[v] = int32_t(out.x_mm.size()), out.x_mm.push_back(s.x_mm[v]);
-  for (const Tri& t : s.tri) out.tri.push_back({number[size_t(t[0])], number[size_t(t[1])], number[size_t(t[2])]});
-  return out;
-}
-
 std::vector<Surface> parts_of(const Surface& s, double least_mm3) {
   std::vector<int32_t> root(s.x_mm.size());
   std::iota(root.begin(), root.end(), 0);

@@ -19,8 +19,6 @@ SolidFigures solid_figures(const Surface& surface);
 /// (and hollows, whose volume is below 0) are left out.
 std::vector<Surface> parts_of(const Surface& surface, double least_mm3);
 
-/// Only the vertices that triangles use, in their order.
-Surface compacted(const Surface& surface);
 void move(Surface& surface, const Eigen::Isometry3d& by);
 
 /// 80 bytes of header, the number of triangles, 50 bytes for each, in mm, little endian.

@@ -29,26 +29,6 @@ void add_surface(Surface& s, const simplex::Mesh& mesh, const simplex::FanTriang
       s.tri.push_back({fan.tri[t][0] + base, fan.tri[t][1] + base, fan.tri[t][2] + base});
 }
 
-/// Only the vertices that a triangle has.
-Surface compacted(const Surface& s, std::vector<int32_t>* fragment) {
-  std::vector<int32_t> number(s.x_mm.size(), -1), of;
-  Surface out;
-  for (const Tri& t : s.tri) {
-    Tri k{};
-    for (size_t c = 0; c < 3; ++c) {
-      int32_t& n = number[size_t(t[c])];
-      if (n < 0) {
-        n = int32_t(out.x_mm.size()), out.x_mm.push_back(s.x_mm[size_t(t[c])]);
-        if (fragment) of.push_back((*fragment)[size_t(t[c])]);
-      }
-      k[c] = n;
-    }
-    out.tri.push_back(k);
-  }
-  if (fragment) *fragment = std::move(of);
-  return out;
-}
-
 struct Spread {
   double mean = 0, rms = 0, p95 = 0;
 };
@@ -187,7 +167,7 @@ Surface normal_skull(Workers& w) {
   const HeadModel normal = cached_head({}, w);
   Surface s;
   for (const simplex::Mesh* m : {&normal.cranium, &normal.mandible}) add_surface(s, *m, simplex::fan_triangles(*m));
-  return compacted(s, nullptr);
+  return compacted(s);
 }
 
 namespace {

@@ -19,10 +19,8 @@ namespace limberg {
 
 namespace {
 
-// How far each is moved: usual amounts of a first plan.
-constexpr double kChin_mm = 6, kMaxilla_mm = 6, kMandible_mm = 6, kForehead_mm = 8, kOpening_deg = 10;
 constexpr double kChinHigh_mm = 14, kChinDeep_mm = 42;
-constexpr double kMove_s = 3;
+constexpr double kMove_s = 3, kRest_s = 1;
 // A Le Fort I goes 5 mm above the roots' tips at least (Bell 1992); these end near the floor of the nose, the line from
 // the spine in front to the one behind.
 constexpr double kAboveFloor_mm = 5, kBehindPalate_mm = 2;
@@ -31,6 +29,9 @@ constexpr double kLevelOfRamus = 0.42;
 constexpr double kBeforeRamus_mm = 12;   // the upright cut of a split, before the front edge of the ramus
 constexpr double kBehindNasion_mm = 30;  // the upright cut behind the forehead, at the roofs of the orbits
 constexpr double kBelowGlabella_mm = 8;  // lies the root of the nose, at least
+// A Le Fort III: how far behind the suture the level cut and the upright one meet (behind the orbits' contents, before
+// the base of the skull) and how far below it: the cut falls backwards, away from the brain.
+constexpr double kBehindSuture_mm = 46, kFallsBackwards = 0.3, kOverSuture_mm = 2;
 constexpr double kReach_mm = 180, kSplitReach_mm = 75;
 constexpr double kAside_mm = 90;      // outside of any head
 constexpr double kLeastShare = 0.85;  // of a ramus the plane of the split must lie in
@@ -86,15 +87,21 @@ Command move_line(const Vec3& at, const RigidMove& by) {
   return HeadCommand(m);
 }
 
+Command rest_line() { return Wait{kRest_s}; }
+
 RigidMove forwards(double mm) {
   RigidMove m;
   m.translation_mm = {0, mm, 0};
   return m;
 }
 
+std::string ahead(double mm) { return fmt::format("{:g} mm {}", std::abs(mm), mm < 0 ? "back" : "forwards"); }
+
+Command way_stage(const std::string& what, double mm) { return Stage{what + (mm < 0 ? " back" : " forwards")}; }
+
 Script script_of_lines(const std::string& note, std::vector<Command> lines) {
   Script s;
-  s.header.scene = "patient", s.header.note = note;
+  s.header.note = note;
   for (Command& c : lines) s.lines.push_back({0, std::move(c)});
   return s;
 }
@@ -146,8 +153,8 @@ std::vector<Vec2> offsets_mm() {
 
 // ---- chin ----
 
-PlannedOperation genioplasty(const Bench& b) {
-  PlannedOperation p{"genioplasty", "Genioplasty: the chin is cut off and carried 6 mm forwards", {}, {}};
+PlannedOperation genioplasty(const Bench& b, double mm) {
+  PlannedOperation p{"genioplasty", "Genioplasty: the chin is cut off and carried " + ahead(mm), {}, {}};
   if (p.why = lacks(b, {"Pog", "Me"}, "mandible"); !p.why.empty()) return p;
   const Vec3 me = *b.at("Me"), pog = *b.at("Pog");
   // The lowest 14 mm of the chin, where no roots of teeth are, by a plane that comes out of the lower border below the
@@ -173,16 +180,18 @@ PlannedOperation genioplasty(const Bench& b) {
     return as_it_should(bones, {{to_tenths(me), pog}, {}, 0.5});
   });
   if (!p.made()) return p;
+  RigidMove along_cut;  // bone stays on bone
+  along_cut.translation_mm = to_thousandths({0, mm, -slope * mm});
   p.script = script_of_lines(p.title, {Command(Stage{"before"}), Command(HeadCommand(cut)), Command(Stage{"chin cut"}),
-                                       move_line(me, forwards(kChin_mm)), Command(Stage{"chin forwards"})});
+                                       move_line(me, along_cut), rest_line(), way_stage("chin", mm)});
   return p;
 }
 
 // ---- maxilla ----
 
-PlannedOperation le_fort_1(const Bench& b) {
+PlannedOperation le_fort_1(const Bench& b, double mm) {
   PlannedOperation p{
-      "le_fort_1", "Le Fort I: the maxilla is cut free above its roots and carried 6 mm forwards", {}, {}};
+      "le_fort_1", "Le Fort I: the maxilla is cut free above its roots and carried " + ahead(mm), {}, {}};
   if (p.why = lacks(b, {"ANS", "PNS", "A", "Is", "N"}, "cranium"); !p.why.empty()) return p;
   const Vec3 ans = *b.at("ANS"), pns = *b.at("PNS");
   const Vec3 floor = Vec3(0, ans.y() - pns.y(), ans.z() - pns.z()).normalized(), up(0, -floor.z(), floor.y());
@@ -198,9 +207,8 @@ PlannedOperation le_fort_1(const Bench& b) {
   });
   if (!p.made()) return p;
   cut.of = FragmentPick{-1, to_tenths(*b.at("N"))};
-  p.script =
-      script_of_lines(p.title, {Command(Stage{"before"}), cut_line(cut), Command(Stage{"maxilla cut free"}),
-                                move_line(*b.at("A"), forwards(kMaxilla_mm)), Command(Stage{"maxilla forwards"})});
+  p.script = script_of_lines(p.title, {Command(Stage{"before"}), cut_line(cut), Command(Stage{"maxilla cut free"}),
+                                       move_line(*b.at("A"), forwards(mm)), rest_line(), way_stage("maxilla", mm)});
   return p;
 }
 
@@ -268,9 +276,9 @@ std::optional<SplitPlan> plan_split(const Ramus& ramus, const Vec3& co, const Ve
   return p;
 }
 
-PlannedOperation sagittal_split(const Bench& b) {
+PlannedOperation sagittal_split(const Bench& b, double mm) {
   PlannedOperation p{
-      "sagittal_split", "Sagittal split of both sides: the tooth-bearing part is carried 6 mm forwards", {}, {}};
+      "sagittal_split", "Sagittal split of both sides: the tooth-bearing part is carried " + ahead(mm), {}, {}};
   if (p.why = lacks(b, {"Co_R", "Co_L", "Go_R", "Go_L", "Pog", "Ii"}, "mandible"); !p.why.empty()) return p;
   const simplex::FanTriangles fan = simplex::fan_triangles(*b.bone("mandible"));
   const Bvh bvh(fan.X_mm, fan.tri);
@@ -305,29 +313,31 @@ PlannedOperation sagittal_split(const Bench& b) {
     }
     lines.push_back(Command(Stage{name}));
   }
-  lines.push_back(move_line(pog, forwards(kMandible_mm)));
-  lines.push_back(Command(Stage{"mandible forwards"}));
+  lines.push_back(move_line(pog, forwards(mm)));
+  lines.push_back(rest_line());
+  lines.push_back(way_stage("mandible", mm));
   p.script = script_of_lines(p.title, std::move(lines));
   return p;
 }
 
-PlannedOperation autorotation(const Bench& b) {
+PlannedOperation autorotation(const Bench& b, double deg) {
+  const std::string words = fmt::format("{} by {:g} degrees", deg < 0 ? "closes" : "opens", std::abs(deg));
   PlannedOperation p{
-      "autorotation", "Autorotation: the mandible opens by 10 degrees about the line through the condyles", {}, {}};
+      "autorotation", "Autorotation: the mandible " + words + " about the line through the condyles", {}, {}};
   if (p.why = lacks(b, {"Co_R", "Co_L", "Pog"}, "mandible"); !p.why.empty()) return p;
   const Vec3 r = *b.at("Co_R"), l = *b.at("Co_L");
   RigidMove m;
-  m.rotation_deg = to_thousandths(-kOpening_deg * (r - l).normalized()), m.about_mm = to_tenths(0.5 * (r + l));
+  m.rotation_deg = to_thousandths(-deg * (r - l).normalized()), m.about_mm = to_tenths(0.5 * (r + l));
   p.script = script_of_lines(
-      p.title, {Command(Stage{"before"}), move_line(*b.at("Pog"), m), Command(Stage{"opened by 10 degrees"})});
+      p.title, {Command(Stage{"before"}), move_line(*b.at("Pog"), m), rest_line(), Command(Stage{"mandible turned"})});
   return p;
 }
 
 // ---- forehead ----
 
-PlannedOperation fronto_orbital(const Bench& b) {
+PlannedOperation fronto_orbital(const Bench& b, double mm) {
   PlannedOperation p{"fronto_orbital",
-                     "Fronto-orbital advancement: forehead and upper rims of the orbits are carried 8 mm forwards",
+                     "Fronto-orbital advancement: forehead and upper rims of the orbits are carried " + ahead(mm),
                      {},
                      {}};
   if (p.why = lacks(b, {"N", "G", "ANS"}, "cranium"); !p.why.empty()) return p;
@@ -349,15 +359,87 @@ PlannedOperation fronto_orbital(const Bench& b) {
   if (!p.made()) return p;
   cut.of = FragmentPick{-1, to_tenths(ans)};
   p.script = script_of_lines(p.title, {Command(Stage{"before"}), cut_line(cut), Command(Stage{"forehead cut free"}),
-                                       move_line(g, forwards(kForehead_mm)), Command(Stage{"forehead forwards"})});
+                                       move_line(g, forwards(mm)), rest_line(), way_stage("forehead", mm)});
   return p;
+}
+
+// ---- midface ----
+
+PlannedOperation le_fort_3(const Bench& b, double mm) {
+  PlannedOperation p{"le_fort_3",
+                     "Le Fort III: the midface with the lower rims of the orbits is cut free and carried " + ahead(mm),
+                     {},
+                     {}};
+  if (p.why = lacks(b, {"N", "G", "ANS", "PNS", "A", "Is", "Or_R", "Or_L"}, "cranium"); !p.why.empty()) return p;
+  const Vec3 n = *b.at("N"), g = *b.at("G"), pns = *b.at("PNS");
+  std::vector<Vec3> moved{*b.at("A"), *b.at("ANS"), pns, *b.at("Is"), *b.at("Or_R"), *b.at("Or_L")};
+  if (const auto x = b.at("Rhi")) moved.push_back(*x);
+  std::vector<Vec3> stays{g};
+  for (const char* name : {"Po_R", "Po_L", "Ba", "V"})
+    if (const auto x = b.at(name)) stays.push_back(*x);
+  // One step across the face: from the suture between nose and forehead through both orbits and their outer rims,
+  // falling backwards; behind the orbits' floors down through both arches and the pterygoid region.
+  const double suture = std::min(n.z(), g.z() - kBelowGlabella_mm) - kOverSuture_mm;
+  const Vec3 level = Vec3(0, 1, kFallsBackwards).normalized();
+  CutBoneByBlade cut;
+  p.why = first_accepted(offsets_mm(), [&](const Vec2& off) -> std::string {
+    const Vec3 suture_at(0, n.y(), suture + off.x());
+    const Vec3 edge = suture_at - (kBehindSuture_mm + off.y()) / level.y() * level;
+    // The upright cut passes behind the palate.
+    const Vec3 down = Vec3(0, pns.y() - kBehindPalate_mm - edge.y(), pns.z() - edge.z());
+    cut.rays = {to_thousandths(level), Vec3::UnitX(), to_thousandths(down.normalized())}, cut.reach_mm = kReach_mm;
+    cut.corner_mm = to_tenths(edge - kAside_mm * Vec3::UnitX());
+    bone::Bones bones = b.whole("cranium");
+    if (const auto done = bones.cut(osteotomy_of(cut)); !done.done) return done.reason;
+    return as_it_should(bones, {moved, stays, 20});
+  });
+  if (!p.made()) return p;
+  cut.of = FragmentPick{-1, to_tenths(g)};
+  p.script = script_of_lines(p.title, {Command(Stage{"before"}), cut_line(cut), Command(Stage{"midface cut free"}),
+                                       move_line(*b.at("A"), forwards(mm)), rest_line(), way_stage("midface", mm)});
+  return p;
+}
+
+using Planner = PlannedOperation (*)(const Bench&, double);
+struct PlannedBy {
+  KnownOperation about;
+  Planner plan;
+};
+/// How far each is moved: usual amounts of a first plan, and what they may be.
+constexpr PlannedBy kOperations[] = {
+    {{"genioplasty", "the chin is cut off below the front teeth", "forwards_mm", 6, -10, 15}, genioplasty},
+    {{"le_fort_1", "the maxilla is cut free above its roots", "forwards_mm", 6, -6, 12}, le_fort_1},
+    {{"le_fort_3", "the midface with the lower rims of the orbits is cut free", "forwards_mm", 8, 1, 20}, le_fort_3},
+    {{"sagittal_split", "both sides of the mandible are split", "forwards_mm", 6, -10, 12}, sagittal_split},
+    {{"autorotation", "the mandible turns about its condyles and opens", "opens_deg", 10, -10, 25}, autorotation},
+    {{"fronto_orbital", "the forehead is cut free with the upper rims of the orbits", "forwards_mm", 8, 1, 20},
+     fronto_orbital}};
+
+const PlannedBy& planned_by(std::string_view name) {
+  for (const PlannedBy& k : kOperations)
+    if (name == k.about.name) return k;
+  throw InputError("", 0, "there is no operation on bone of that name; expected one of known_operations()");
 }
 
 }  // namespace
 
+std::vector<KnownOperation> known_operations() {
+  std::vector<KnownOperation> all;
+  for (const PlannedBy& k : kOperations) all.push_back(k.about);
+  return all;
+}
+
+PlannedOperation plan_operation(const OperationGround& ground, std::string_view name, double amount, Workers& workers) {
+  return planned_by(name).plan(Bench(ground, workers), amount);
+}
+
 std::vector<PlannedOperation> plan_operations(const OperationGround& ground, Workers& workers) {
-  const Bench b(ground, workers);
-  return {genioplasty(b), le_fort_1(b), sagittal_split(b), autorotation(b), fronto_orbital(b)};
+  std::vector<PlannedOperation> all;
+  for (const PlannedBy& k : kOperations) {
+    all.push_back(plan_operation(ground, k.about.name, k.about.usual, workers));
+    all.back().script.header.scene = "patient";
+  }
+  return all;
 }
 
 }  // namespace limberg

@@ -30,10 +30,11 @@ void fields(ResultOrigin& x, auto&& f) {
 /// lattice: of the skin.
 struct ResultLattice {
   Maybe cell_mm;
+  MaybeCount seed;  // of an operate
   MaybeCount nodes, cells, cell_copies, dofs;
 };
 void fields(ResultLattice& x, auto&& f) {
-  f("cell_mm", x.cell_mm), f("nodes", x.nodes), f("cells", x.cells), f("cell_copies", x.cell_copies);
+  f("cell_mm", x.cell_mm), f("seed", x.seed), f("nodes", x.nodes), f("cells", x.cells), f("cell_copies", x.cell_copies);
   f("dofs", x.dofs);
 }
 
@@ -198,6 +199,7 @@ struct ResultExercise {
   Maybe tracked_s, pressed_s;
   MaybeCount tracking_gaps;
   Maybe tracking_lost_s;
+  MaybeCount osteotomies, bone_moves;
   int64_t cuts = 0, hooks = 0, hook_moves = 0, stitches = 0, threads_cut = 0, undos = 0, redos = 0, refused = 0;
   int64_t gaps_open = 0, peaks_over_2_5_N = 0, peaks_over_5_N = 0;
   ResultDesignError design;
@@ -205,6 +207,7 @@ struct ResultExercise {
 void fields(ResultExercise& x, auto&& f) {
   f("time_s", x.time_s), f("path_mm", x.path_mm), f("movements", x.movements), f("tracked_s", x.tracked_s);
   f("pressed_s", x.pressed_s), f("tracking_gaps", x.tracking_gaps), f("tracking_lost_s", x.tracking_lost_s);
+  f("osteotomies", x.osteotomies), f("bone_moves", x.bone_moves);
   f("cuts", x.cuts), f("hooks", x.hooks), f("hook_moves", x.hook_moves), f("stitches", x.stitches);
   f("threads_cut", x.threads_cut), f("undos", x.undos), f("redos", x.redos), f("refused", x.refused);
   f("gaps_open", x.gaps_open), f("peaks_over_2_5_N", x.peaks_over_2_5_N), f("peaks_over_5_N", x.peaks_over_5_N);
@@ -216,11 +219,12 @@ struct ResultLesson {
   MaybeText title, goal, file;
   MaybeList<ResultTolerance> tolerances;
   MaybeFlag all_met;
-  MaybeList<std::string> hints;
+  MaybeList<std::string> steps, hints;
 };
 void fields(ResultLesson& x, auto&& f) {
   f("title", x.title), f("goal", x.goal), f("file", x.file), f("tolerances", x.tolerances);
-  f("all_met", x.all_met), f("hints", x.hints);
+  f("all_met", x.all_met), f("steps", x.steps);
+  f("hints", x.hints);
 }
 
 /// pictures: files, relative to the result's folder.

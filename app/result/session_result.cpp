@@ -164,6 +164,15 @@ std::vector<ResultVerdict> fill_session(Result& r, Assembly& a, const SessionFig
   if (a.head) fill_head(r, *a.head);
   VerdictOf look = looked_at(a, f);
   if (!a.world->skin()) {
+    std::vector<Judgement> judged;
+    if (a.head) {
+      Exercise e = exercise(a.done, {}, std::nullopt);
+      e.time_s = f.duration_s, e.hand = a.solver.hand(), e.refused = int(a.solver.refused().size());
+      judged =
+          fill_exercise(r, e, lesson ? bone_values(*lesson->bone, *a.head, look.bone, a.done) : LessonValues{}, lesson);
+      print_judgements(judged);
+    }
+    look.judged = judged;
     write_fields(r, "", story_of(a));
     std::vector<ResultVerdict> verdict = verdict_of(look);
     fill_verdict(r, verdict);
@@ -181,7 +190,11 @@ std::vector<ResultVerdict> fill_session(Result& r, Assembly& a, const SessionFig
   e.time_s = f.duration_s;
   e.hand = a.solver.hand();
   e.refused = int(a.solver.refused().size());
-  const std::vector<Judgement> judged = fill_exercise(r, e, metrics, lesson);
+  const std::vector<Judgement> judged =
+      fill_exercise(r, e,
+                    lesson && lesson->bone ? bone_values(*lesson->bone, *a.head, look.bone, a.done)
+                                           : lesson_values(metrics, e.design),
+                    lesson);
   print_judgements(judged);
   write_fields(r, "", story_of(a));
   look.metrics = &metrics, look.body = a.world->skin()->spec().body.get();

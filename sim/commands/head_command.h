@@ -43,6 +43,7 @@ struct CutBoneByBlade {
   std::optional<FragmentPick> of;
   bool must_divide = true;
 };
+inline constexpr size_t kMostBladeRays = 8;
 struct MoveFragment {
   FragmentPick fragment;
   RigidMove by;
@@ -70,6 +71,22 @@ struct JoinFragments {
   FragmentPick a, b;
   double smooth_mm = 0;  // of the seam, to both sides
 };
+/// Work on the surface of a bone (sim/skull/bone/surface_work.h).
+struct SplitFace {
+  Vec3 at_mm{0, 0, 0};
+};
+struct MergeFaces {
+  Vec3 at_mm{0, 0, 0};
+};
+struct SmoothSurface {
+  Vec3 at_mm{0, 0, 0};
+  double radius_mm = 10;
+};
+struct PushSurface {
+  Vec3 from_mm{0, 0, 0}, to_mm{0, 0, 0};
+  double radius_mm = 8;
+  std::optional<FragmentPick> of;
+};
 struct Unplate {
   FragmentPick fragment;
 };
@@ -96,9 +113,9 @@ struct Superpose {
   std::string name;
 };
 
-using HeadCommand =
-    std::variant<CutBone, MoveFragment, GrabFragment, DragFragment, LetGo, PlateFragments, JoinFragments, ConnectTissue,
-                 PlaceLandmark, Superpose, Unplate, SortFragments, CutBoneByBlade>;
+using HeadCommand = std::variant<CutBone, MoveFragment, GrabFragment, DragFragment, LetGo, PlateFragments,
+                                 JoinFragments, ConnectTissue, PlaceLandmark, Superpose, Unplate, SortFragments,
+                                 CutBoneByBlade, SplitFace, MergeFaces, SmoothSurface, PushSurface>;
 
 /// The names of TissueKind in scripts and scenes, in its order.
 inline constexpr const char* kTissueKinds[] = {"smoothing", "springs", "shape", "finite_elements"};

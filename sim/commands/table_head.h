@@ -77,6 +77,11 @@ struct Act<CutBoneByBlade> {
     v(Field::optional("of", "only this fragment; left out: the one nearest to the corner"), c.of);
     v(Field::flag("must_divide", true, "false: a cut that frees nothing is allowed"), c.must_divide);
   }
+  static std::string check(const CutBoneByBlade& c) {
+    return c.rays.size() > kMostBladeRays
+               ? fmt::format("\"rays\" holds {} directions; expected two to {}", c.rays.size(), kMostBladeRays)
+               : "";
+  }
   static std::string words(const CutBoneByBlade& c) {
     return fmt::format("osteotomy by {} planes that meet in a corner", std::max<size_t>(c.rays.size(), 1) - 1);
   }
@@ -185,6 +190,68 @@ struct Act<JoinFragments> {
   }
   static std::string words(const JoinFragments&) { return "two fragments joined"; }
   static Deed deed(const JoinFragments&) { return {"", "Two fragments joined", " pairs of fragments joined"}; }
+};
+
+template <>
+struct Act<SplitFace> {
+  static constexpr const char* name = "split_face";
+  static constexpr Needs needs = Needs::head;
+  static constexpr const char* help =
+      "The bone's mesh is made finer: the face at a place becomes two, by a new edge across its longest direction "
+      "(T2).";
+  static constexpr const char* example = R"({"action":"split_face","at":[0,84,60]})";
+  static void fields(auto& v, auto& c) { v(Field::given("at", "a place on the bone's surface"), c.at_mm); }
+  static std::string words(const SplitFace&) { return "a face of the bone's mesh split"; }
+};
+
+template <>
+struct Act<MergeFaces> {
+  static constexpr const char* name = "merge_faces";
+  static constexpr Needs needs = Needs::head;
+  static constexpr const char* help =
+      "The bone's mesh is made coarser: the edge nearest to a place is deleted, the faces on its sides become one "
+      "(T1).";
+  static constexpr const char* example = R"({"action":"merge_faces","at":[0,84,60]})";
+  static void fields(auto& v, auto& c) { v(Field::given("at", "a place on the bone's surface"), c.at_mm); }
+  static std::string words(const MergeFaces&) { return "two faces of the bone's mesh merged"; }
+};
+
+template <>
+struct Act<SmoothSurface> {
+  static constexpr const char* name = "smooth_surface";
+  static constexpr Needs needs = Needs::head;
+  static constexpr const char* help =
+      "The surface of the bone about a place is smoothed by its curvature; the bone keeps its volume.";
+  static constexpr const char* example = R"({"action":"smooth_surface","at":[0,84,60],"radius_mm":15})";
+  static void fields(auto& v, auto& c) {
+    v(Field::given("at", "the middle of the region, on the bone's surface"), c.at_mm);
+    v(Field::number_above("radius_mm", 0, 100, "how far it reaches, along the surface").usually(2, 40), c.radius_mm);
+  }
+  static std::string words(const SmoothSurface& c) {
+    return fmt::format("the bone's surface smoothed within {:g} mm", c.radius_mm);
+  }
+  static Deed deed(const SmoothSurface&) { return {"", "One region of bone smoothed", " regions of bone smoothed"}; }
+};
+
+template <>
+struct Act<PushSurface> {
+  static constexpr const char* name = "push_surface";
+  static constexpr Needs needs = Needs::head;
+  static constexpr const char* help =
+      "A ball goes from one place to another and pushes the bone's surface out of its way; the surface stays so.";
+  static constexpr const char* example = R"({"action":"push_surface","from":[0,96,60],"to":[0,88,60],"radius_mm":8})";
+  static void fields(auto& v, auto& c) {
+    v(Field::given("from", "where the ball's middle begins"), c.from_mm);
+    v(Field::given("to", "where it ends"), c.to_mm);
+    v(Field::number_above("radius_mm", 0, 60, "of the ball").usually(2, 25), c.radius_mm);
+    v(Field::optional("of", "the fragment that feels it; left out: the one nearest to where the ball ends"), c.of);
+  }
+  static std::string words(const PushSurface& c) {
+    return fmt::format("the bone's surface pushed over {:.1f} mm", (c.to_mm - c.from_mm).norm());
+  }
+  static Deed deed(const PushSurface&) {
+    return {"", "One push at the bone's surface", " pushes at the bone's surface"};
+  }
 };
 
 template <>

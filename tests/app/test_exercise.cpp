@@ -52,10 +52,10 @@ void expect_bad(const std::string& text, int line, const std::string& word) {
 
 TEST(Lesson, IsReadStrictly) {
   const Lesson l = parse_lesson(kLesson, "l.toml");
-  EXPECT_EQ(l.plan.procedure, "z_plasty");
-  ASSERT_EQ(l.plan.values.size(), 1u);
-  EXPECT_EQ(l.plan.values[0].second, 18);
-  EXPECT_EQ(l.plan.at, ChartPoint(1, -2));
+  EXPECT_EQ(l.plan->procedure, "z_plasty");
+  ASSERT_EQ(l.plan->values.size(), 1u);
+  EXPECT_EQ(l.plan->values[0].second, 18);
+  EXPECT_EQ(l.plan->at, ChartPoint(1, -2));
   EXPECT_EQ(l.tolerances.size(), 3u);
   ASSERT_EQ(l.landmarks.size(), 1u);
   EXPECT_TRUE(looks_like_lesson(kLesson));
@@ -76,7 +76,7 @@ TEST(Lesson, ShippedOnesFitTheirScenesAndTheirScripts) {
   for (const std::string name : {"rhomboid", "zplasty"}) {
     const Lesson l = open_lesson(source_dir() + "/app/lessons/" + name + ".toml");
     const Skin skin(build_body(load_scene(source_dir() + "/app/scenes/" + l.scene + ".toml")));
-    const PlanOnSkin plan = plan_on(skin, l.plan);
+    const PlanOnSkin plan = plan_on(skin, *l.plan);
     std::vector<Command> script;
     for (const ScriptLine& s : test::shipped_script(name).lines) script.push_back(s.command);
     const auto e = design_error(plan, script);
@@ -106,7 +106,7 @@ TEST(Exercise, CutsAreComparedWithANamedPlanAlone) {
   const std::optional<PlanOnSkin> read_off = plan_of(skin, {}, script);
   ASSERT_TRUE(read_off) << "the rhombic flap that the cuts draw";
   EXPECT_FALSE(exercise(script, {}, read_off).design) << "the cuts would be compared with another flap elsewhere";
-  const auto named = exercise(script, {}, plan_on(skin, l.plan)).design;
+  const auto named = exercise(script, {}, plan_on(skin, *l.plan)).design;
   ASSERT_TRUE(named);
   EXPECT_EQ(named->corners, 7);
   EXPECT_TRUE(named->missing.empty());
@@ -134,7 +134,7 @@ TEST(Lesson, TellsWhatIsMet) {
 TEST(Lesson, SaysWhyAFigureIsNotMeasured) {
   const Lesson l = open_lesson(source_dir() + "/app/lessons/rhomboid.toml");
   const Skin skin(build_body(load_scene(source_dir() + "/app/scenes/" + l.scene + ".toml")));
-  const PlanOnSkin plan = plan_on(skin, l.plan);
+  const PlanOnSkin plan = plan_on(skin, *l.plan);
   std::vector<Command> drawn;
   for (const ScriptLine& s : test::shipped_script("rhomboid").lines) drawn.push_back(s.command);
   const auto why = [&](const std::vector<Command>& script, const Metrics& m, const char* name) {
@@ -199,13 +199,13 @@ TEST(Lesson, AScriptIsNotJudgedByTheHandsTolerances) {
   l.tolerances = {{"time_s", 600}, {"movements", 100}, {"undos", 3}};
   Exercise e;
   Result r("operate", "s");
-  const auto script = fill_exercise(r, e, {}, &l);
+  const auto script = fill_exercise(r, e, lesson_values({}, {}), &l);
   ASSERT_EQ(script.size(), 1u);
   EXPECT_EQ(script[0].name, "undos");
   EXPECT_TRUE(script[0].met);
   e.hand.emplace();
   e.hand->movements = 120;
-  const auto hand = fill_exercise(r, e, {}, &l);
+  const auto hand = fill_exercise(r, e, lesson_values({}, {}), &l);
   ASSERT_EQ(hand.size(), 3u);
   EXPECT_FALSE(hand[0].met);  // a session without its time
   EXPECT_FALSE(hand[1].met);

@@ -35,7 +35,11 @@ std::string spoken(std::string name) {
 }
 
 html::Markup judged(const ResultTolerance& t) {
-  if (t.value) return t.met ? html::bold("met", Light::good) : html::bold("missed", Light::bad);
+  if (t.value) {
+    html::Markup said = t.met ? html::bold("met", Light::good) : html::bold("missed", Light::bad);
+    if (!t.why.empty()) said += html::Markup(" " + t.why);
+    return said;
+  }
   return t.why.empty() ? "not measured" : "not measured: " + t.why;
 }
 
@@ -53,6 +57,8 @@ html::Markup exercise(const ReportSource& source) {
       all_met &= t.met;
       rows.push_back({spoken(t.name), quantity(t.value, t.unit), "≤ " + quantity(t.limit, t.unit), judged(t)});
     }
+    if (const std::vector<std::string>& steps = entries(d.lesson.steps); !steps.empty())
+      body += html::list(std::vector<html::Markup>(steps.begin(), steps.end()));
     body += html::table({"Tolerance", "Value", "Limit", ""}, rows);
     const std::vector<std::string>& hints = entries(d.lesson.hints);
     if (!hints.empty() && !all_met)

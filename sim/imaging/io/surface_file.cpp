@@ -318,6 +318,25 @@ void append(Surface& to, const Surface& s) {
   for (const Tri& t : s.tri) to.tri.push_back({t[0] + first, t[1] + first, t[2] + first});
 }
 
+Surface compacted(const Surface& s, std::vector<int32_t>* of_vertex) {
+  std::vector<int32_t> number(s.x_mm.size(), -1), of;
+  Surface out;
+  for (const Tri& t : s.tri) {
+    Tri k{};
+    for (size_t c = 0; c < 3; ++c) {
+      int32_t& n = number[size_t(t[c])];
+      if (n < 0) {
+        n = int32_t(out.x_mm.size()), out.x_mm.push_back(s.x_mm[size_t(t[c])]);
+        if (of_vertex) of.push_back((*of_vertex)[size_t(t[c])]);
+      }
+      k[c] = n;
+    }
+    out.tri.push_back(k);
+  }
+  if (of_vertex) *of_vertex = std::move(of);
+  return out;
+}
+
 Surface triangles_of(const simplex::Mesh& m) {
   const simplex::FanTriangles fan = simplex::fan_triangles(m);
   Surface s;

@@ -20,6 +20,9 @@ struct Surface {
 
 /// All of `s` after what `to` has.
 void append(Surface& to, const Surface& s);
+/// Only the vertices that a triangle has, in the order in which triangles name them. `of_vertex`: a number per vertex,
+/// which goes along; null: none.
+Surface compacted(const Surface& s, std::vector<int32_t>* of_vertex = nullptr);
 
 struct SurfaceFileLimits {
   static constexpr size_t file_bytes = size_t(1) << 30;

@@ -13,18 +13,19 @@
 #include "sim/geometry/rotation.h"
 
 namespace limberg {
-namespace {
-
-constexpr size_t kNeighbours = 12;   // of a point, for its plane
-constexpr size_t kFewest = 10;       // points that say something of a shape: six unknowns, and some to spare
-constexpr double kLine = 0.02;       // of the longest spread: less across it is a line
-constexpr double kPolish_mm = 0.02;  // a motion below it: the trimmed pairs have brought the surfaces together
 
 Vec3 middle_of(const std::vector<Vec3>& x) {
   Vec3 m = Vec3::Zero();
   for (const Vec3& p : x) m += p / double(x.size());
   return m;
 }
+
+namespace {
+
+constexpr size_t kNeighbours = 12;   // of a point, for its plane
+constexpr size_t kFewest = 10;       // points that say something of a shape: six unknowns, and some to spare
+constexpr double kLine = 0.02;       // of the longest spread: less across it is a line
+constexpr double kPolish_mm = 0.02;  // a motion below it: the trimmed pairs have brought the surfaces together
 
 Mat3 spread_of(const std::vector<Vec3>& x, const Vec3& m) {
   Mat3 S = Mat3::Zero();

@@ -49,6 +49,9 @@ struct LandmarkFit {
 /// on a line or at one point, numbers that are not finite.
 LandmarkFit fit_landmarks(const std::vector<Vec3>& from_mm, const std::vector<Vec3>& to_mm, bool with_scale);
 
+/// Mean of places; zero where there are none.
+Vec3 middle_of(const std::vector<Vec3>& x_mm);
+
 /// What a surface lacks to be laid upon another by its shape, or another upon it; empty: nothing. At least 10 points,
 /// not all (nearly) on a line, and where there are triangles one with an area.
 std::string lacks_shape(const Surface& surface);

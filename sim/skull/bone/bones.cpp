@@ -196,18 +196,7 @@ std::string Bones::join_mesh(BoneChange& join) {
   ++version_;
   now_.fragments[size_t(ia)].vertex = std::min(fa.vertex, fb.vertex);
   now_.fragments.erase(now_.fragments.begin() + ib);
-  // The joined bone's smallest vertex may have gone with a ring.
-  std::vector<int32_t> of;
-  simplex::components(mesh_, of);
-  Fragment& f = now_.fragments[size_t(index(a))];
-  std::vector<uint8_t> taken(mesh_.nbr.size() + 1, 0);
-  for (const Fragment& g : now_.fragments)
-    if (g.id != a) taken[size_t(of[size_t(g.vertex)])] = 1;
-  for (int32_t v = 0; v < mesh_.slots(); ++v)
-    if (mesh_.alive(v) && !taken[size_t(of[size_t(v)])]) {
-      f.vertex = v;
-      break;
-    }
+  find_vertex_of(a);  // it may have gone with a ring
   for (Plate& p : now_.plates) {
     const Eigen::Isometry3d to_a = fa.pose.inverse() * fb.pose;
     if (p.a == b) p.a = a, p.a_mm = to_a * p.a_mm;
@@ -236,6 +225,43 @@ ActedOnBone Bones::join(int32_t a, int32_t b, double smooth_mm) {
                                               "volume kept to %.1g of it",
                                               int(s.vertices), s.farthest_mm, std::abs(s.volume_change))
                                        : std::string());
+}
+
+void Bones::find_vertex_of(int32_t id) {
+  std::vector<int32_t> of;
+  simplex::components(mesh_, of);
+  std::vector<uint8_t> taken(mesh_.nbr.size() + 1, 0);
+  for (const Fragment& g : now_.fragments)
+    if (g.id != id) taken[size_t(of[size_t(g.vertex)])] = 1;
+  for (int32_t v = 0; v < mesh_.slots(); ++v)
+    if (mesh_.alive(v) && !taken[size_t(of[size_t(v)])]) {
+      now_.fragments[size_t(index(id))].vertex = v;
+      break;
+    }
+}
+
+WorkedSurface Bones::work_mesh(BoneChange& w) {
+  WorkedSurface done = work_surface(mesh_, fragment(w.worked)->vertex, w.work, *workers_, w.delta);
+  if (!done.reason.empty()) return done;
+  ++version_;
+  find_vertex_of(w.worked);
+  recount();
+  return done;
+}
+
+ActedOnBone Bones::work(int32_t id, const SurfaceWork& what) {
+  if (hold_) return refused(kHeld);
+  if (index(id) < 0) return refused(no_fragment(id));
+  BoneChange change;
+  change.kind = BoneChange::Kind::work, change.work = what, change.worked = id, change.before = now_;
+  std::string words;
+  const std::string bad = all_of([&] {
+    WorkedSurface done = work_mesh(change);
+    words = std::move(done.words);
+    return done.reason;
+  });
+  if (!bad.empty()) return refused(bad);
+  return finish(std::move(change), std::move(words));
 }
 
 std::vector<int32_t> Bones::plated(int32_t id) const {
@@ -321,7 +347,12 @@ Outcome Bones::make_again(BoneChange& change) {
   }
   BoneChange again;
   again.a = change.a, again.b = change.b, again.smooth_mm = change.smooth_mm;
-  all_of([&] { return change.kind == BoneChange::Kind::cut ? cut_mesh(change.what, again.delta) : join_mesh(again); });
+  again.work = change.work, again.worked = change.worked;
+  all_of([&] {
+    return change.kind == BoneChange::Kind::cut    ? cut_mesh(change.what, again.delta)
+           : change.kind == BoneChange::Kind::join ? join_mesh(again)
+                                                   : work_mesh(again).reason;
+  });
   change.delta = std::move(again.delta);
   return {true, ""};
 }

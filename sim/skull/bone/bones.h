@@ -21,6 +21,7 @@
 #include "sim/commands/acted.h"
 #include "sim/skull/bone/osteotomy.h"
 #include "sim/skull/bone/seam.h"
+#include "sim/skull/bone/surface_work.h"
 #include "sim/skull/simplex/edit.h"
 #include "sim/skull/simplex/mesh.h"
 
@@ -90,11 +91,13 @@ void fields(const BonesState& s, V&& v) {
 
 /// What takes an act on bone back, and makes it again. Changes are taken back in the reverse order of their making.
 struct BoneChange {
-  enum class Kind { cut, join, state } kind = Kind::state;
+  enum class Kind { cut, join, work, state } kind = Kind::state;
   Osteotomy what;          // cut: the fragment is named
   int32_t a = -1, b = -1;  // join
   double smooth_mm = 0;
   SeamReport seam;
+  SurfaceWork work;
+  int32_t worked = -1;  // work: the fragment
   simplex::Delta delta;
   BonesState before, after;
 };
@@ -125,6 +128,8 @@ class Bones {
   /// place, else the one with the smaller number does, and the other one's rest is set anew. Its number goes.
   /// smooth_mm: the seam is smoothed in a band of that reach (seam.h); 0: not.
   ActedOnBone join(int32_t a, int32_t b, double smooth_mm = 0);
+  /// Work on a fragment's surface that cuts nothing (surface_work.h). Refused with its reasons.
+  ActedOnBone work(int32_t id, const SurfaceWork& what);
   /// Six numbers; contact is not asked. What is plated to it moves along.
   ActedOnBone move(int32_t id, const Eigen::Isometry3d& pose);
   /// A plate between two fragments (places at rest): from now on they move as one.
@@ -164,7 +169,9 @@ class Bones {
   int32_t index(int32_t id) const;
   std::string cut_mesh(const Osteotomy& what, simplex::Delta& delta);
   std::string join_mesh(BoneChange& join);
-  void recount();  // components after the mesh changed
+  WorkedSurface work_mesh(BoneChange& work);
+  void find_vertex_of(int32_t id);  // whose smallest vertex may have gone
+  void recount();                   // components after the mesh changed
   /// What the act answers. Whatever it throws, mesh and fragments are as they were.
   template <class Act>
   std::string all_of(Act&& act);

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "sim/base/elementary.h"
+#include "sim/base/text.h"
+#include "sim/commands/head_command.h"
 #include "sim/geometry/triangle.h"
 
 namespace limberg::bone {
@@ -11,7 +13,33 @@ namespace {
 
 constexpr double kDegree = M_PI / 180;
 constexpr double kLeastSector = 5 * kDegree, kMostSector = 150 * kDegree;
-constexpr size_t kMostRays = 8;
+constexpr double kTouch = 1e-6;  // sine of the angle at which a direction still counts as within a sector
+
+/// A direction between a and b, or on one of them.
+bool within(const Vec3& d, const Vec3& a, const Vec3& b) {
+  const Vec3 n = a.cross(b).normalized();
+  return std::abs(n.dot(d)) <= kTouch && n.cross(a).dot(d) >= -kTouch && b.cross(n).dot(d) >= -kTouch;
+}
+
+/// Whether two sectors have more in common than the corner and, of neighbours, the ray between them. Cones with one
+/// apex meet where their planes do: along one line; in one plane, where one has a side of the other within.
+bool meet(const std::vector<Vec3>& ray, size_t i, size_t j) {
+  const Vec3 n = ray[i].cross(ray[i + 1]).normalized(), m = ray[j].cross(ray[j + 1]).normalized();
+  const bool neighbours = j == i + 1;
+  const Vec3 line = n.cross(m);
+  if (line.norm() > kTouch) {
+    if (neighbours) return false;
+    for (const double s : {1., -1.}) {
+      const Vec3 d = s * line.normalized();
+      if (within(d, ray[i], ray[i + 1]) && within(d, ray[j], ray[j + 1])) return true;
+    }
+    return false;
+  }
+  // In one plane. Neighbours go on from their common ray, or fold back upon each other.
+  if (neighbours) return n.dot(m) < 0;
+  return within(ray[j], ray[i], ray[i + 1]) || within(ray[j + 1], ray[i], ray[i + 1]) ||
+         within(ray[i], ray[j], ray[j + 1]) || within(ray[i + 1], ray[j], ray[j + 1]);
+}
 
 }  // namespace
 
@@ -20,7 +48,7 @@ CornerBlade::CornerBlade(const Vec3& corner, const std::vector<Vec3>& rays, doub
     fault_ = "a blade has a corner at a finite place and a length above 0";
     return;
   }
-  if (rays.size() < 2 || rays.size() > kMostRays) {
+  if (rays.size() < 2 || rays.size() > kMostBladeRays) {
     fault_ = "a blade of planes that meet in a corner has two to eight directions";
     return;
   }
@@ -47,6 +75,15 @@ CornerBlade::CornerBlade(const Vec3& corner, const std::vector<Vec3>& rays, doub
     const auto a0 = int32_t(k + 1), b0 = a0 + 1, far = int32_t(X_mm_.size() - 1);
     tri_.push_back({0, a0, far}), tri_.push_back({0, far, b0});
   }
+  for (size_t j = 1; j < sectors(); ++j)
+    for (size_t i = 0; i < j; ++i)
+      if (meet(ray_, i, j)) {
+        fault_ = text(
+            "plane %d of the blade crosses or touches plane %d; expected planes that meet at the corner and "
+            "along one ray after the other",
+            int(j + 1), int(i + 1));
+        return;
+      }
   if (angle_.back() > 2 * M_PI - kLeastSector) fault_ = "the planes of the blade take up a full turn about its corner";
 }
 

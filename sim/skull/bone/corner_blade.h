@@ -21,7 +21,8 @@ class CornerBlade {
   /// Rays are lengthened to `reach_mm`.
   CornerBlade(const Vec3& corner_mm, const std::vector<Vec3>& rays, double reach_mm);
   /// Why it is no blade: places that are not finite, fewer than two rays or more than eight, two that follow each other
-  /// at less than 5 or more than 150 degrees, a full turn or more. Empty: it is one.
+  /// at less than 5 or more than 150 degrees, a full turn or more, a sector that crosses or touches an earlier one.
+  /// Empty: it is one.
   const std::string& fault() const { return fault_; }
 
   const std::vector<Vec3>& places_mm() const { return X_mm_; }  // the corner, the ends of the rays, the far corners

@@ -58,6 +58,7 @@ Head::Head(HeadParts parts, Workers& workers)
       throw InputError("", 0, "landmark " + l.name + " lies on a face, and there is none; expected a face");
     tie(l);
   }
+  first_landmarks_ = state_.landmarks;
   place_bones();
   for (const ConnectTissue& t : parts.tissues)
     if (const Outcome o = connect(t); !o.done)
@@ -160,13 +161,24 @@ ActedOnHead Head::act(const LetGo& l) {
   const int32_t id = grabbed_[size_t(l.hand)].fragment;
   if (id < 0) return refuse("nothing is held by this hand; expected a grab before it");
   HeadChange change = before(false);
-  bone::ActedOnBone released = bones_.release(id, l.snap);
+  bone::ActedOnBone released = [&]() -> bone::ActedOnBone {
+    try {
+      return bones_.release(id, l.snap);
+    } catch (const std::exception& e) {  // the hand holds on
+      return Outcome(refuse(std::string("the fragment cannot be let go: ") + e.what()));
+    }
+  }();
   if (!released.done) return Outcome(released);
   grabbed_[size_t(l.hand)] = {}, change.bones = std::move(released.change);
-  return finish(change, [&] {
+  // Let go it is, however the words turn out: while another hand holds, nothing could be taken back.
+  std::string words = released.reason;
+  try {
     const std::string beside = lies(bones_, id);
-    return released.reason + (released.reason.empty() || beside.empty() ? "" : "; ") + beside;
-  });
+    words += (words.empty() || beside.empty() ? "" : "; ") + beside;
+  } catch (const std::exception& e) {
+    words += (words.empty() ? "" : "; ") + std::string("how it lies cannot be told: ") + e.what();
+  }
+  return {{true, std::move(words)}, std::move(change)};
 }
 
 ActedOnHead Head::act(const PlateFragments& p) {
@@ -220,6 +232,37 @@ ActedOnHead Head::act(const JoinFragments& j) {
     if (has_face_) face_.rest_set_anew(of[a_stays ? 1 : 0], to);
     bones_changed(version);
     return joined.reason;
+  });
+}
+
+// ---- work on the surface of a bone ----
+
+ActedOnHead Head::act(const SplitFace& s) {
+  return work(FragmentPick{-1, s.at_mm}, {bone::SurfaceWork::Kind::split_face, s.at_mm, s.at_mm, 0});
+}
+ActedOnHead Head::act(const MergeFaces& m) {
+  return work(FragmentPick{-1, m.at_mm}, {bone::SurfaceWork::Kind::merge_faces, m.at_mm, m.at_mm, 0});
+}
+ActedOnHead Head::act(const SmoothSurface& s) {
+  return work(FragmentPick{-1, s.at_mm}, {bone::SurfaceWork::Kind::smooth, s.at_mm, s.at_mm, s.radius_mm});
+}
+ActedOnHead Head::act(const PushSurface& p) {
+  return work(p.of, {bone::SurfaceWork::Kind::push, p.from_mm, p.to_mm, p.radius_mm});
+}
+
+/// of: nothing, and it is the fragment nearest to where the work ends.
+ActedOnHead Head::work(const std::optional<FragmentPick>& of, const bone::SurfaceWork& what) {
+  std::string reason;
+  const int32_t id = of ? find(*of, reason) : bones_.nearest_fragment(what.to_mm);
+  if (id < 0) return refuse(reason.empty() ? "there is no bone; expected a head with some" : reason);
+  HeadChange change = before(true);
+  const uint64_t version = bones_.version();
+  bone::ActedOnBone worked = bones_.work(id, what);
+  if (!worked.done) return Outcome(worked);
+  change.bones = std::move(worked.change);
+  return finish(change, [&] {
+    bones_changed(version);
+    return worked.reason;
   });
 }
 

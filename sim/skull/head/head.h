@@ -122,6 +122,8 @@ class Head {
   const simplex::Mesh& bones_now() const { return placed_; }
   const HeadView& view() const { return view_; }
   const std::vector<HeadLandmark>& landmarks() const { return state_.landmarks; }
+  /// As the head was made: before any was placed anew, and before joins set the rest of a bone anew.
+  const std::vector<HeadLandmark>& first_landmarks() const { return first_landmarks_; }
   /// Where a landmark is now, and where it was at first.
   Vec3 landmark_mm(const HeadLandmark& l) const;
   std::vector<std::pair<std::string, Vec3>> landmarks_now() const;
@@ -147,6 +149,11 @@ class Head {
   ActedOnHead act(const Superpose&);
   ActedOnHead act(const Unplate&);
   ActedOnHead act(const SortFragments&);
+  ActedOnHead act(const SplitFace&);
+  ActedOnHead act(const MergeFaces&);
+  ActedOnHead act(const SmoothSurface&);
+  ActedOnHead act(const PushSurface&);
+  ActedOnHead work(const std::optional<FragmentPick>& of, const bone::SurfaceWork& what);
   Outcome connect(const ConnectTissue& tissue);
   HeadChange before(bool with_face) const;  // of an act: what it may change, as it is now
   template <class Rest>
@@ -168,6 +175,7 @@ class Head {
   std::vector<Eigen::Isometry3d> poses_;  // that placed_ and the face have been told
   uint64_t placed_version_ = 0;
   HeadState state_;
+  std::vector<HeadLandmark> first_landmarks_;
   std::vector<SkullMoment> moments_;
   uint64_t moment_version_ = 0;  // of the bones, in the last of them
   SkullBeside beside_ = SkullBeside::off;

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "app/patient/operations.h"
+#include "sim/base/error.h"
 #include "sim/imaging/synthetic/synthetic_head.h"
 #include "sim/measure/cephalometry.h"
 #include "sim/skull/head/head.h"
@@ -112,7 +113,7 @@ void check_parts(const Head& h) {
 }
 
 TEST(Operations, AllAreMadeOnASoundHead) {
-  ASSERT_EQ(made().by_name.size(), 5u);
+  ASSERT_EQ(made().by_name.size(), 6u);
   for (const auto& [name, p] : made().by_name) EXPECT_EQ(p.why, "") << name;
 }
 
@@ -142,6 +143,47 @@ TEST(Operations, LeFortIFreesTheMaxillaAndTakesItForwards) {
   for (const bone::Gap& g : h->bones().gaps())
     if (g.a == at(*h, "N").id && g.b == at(*h, "A").id) widest = g.gap_max_mm;
   EXPECT_NEAR(widest, behind > 0 ? 6 * floor.y() : 6 * std::abs(floor.z()), 0.3);
+}
+
+TEST(Operations, LeFortIIITakesTheLowerRimsOfTheOrbitsAlong) {
+  InlineWorkers w;
+  const PlannedOperation& p = made().by_name.at("le_fort_3");
+  const auto h = head(w);
+  carry_out(*h, p.script);
+  EXPECT_EQ(h->bones().fragments().size(), 3u);
+  check_parts(*h);
+  const CutBoneByBlade& c = blade(p);
+  const Vec3 level = c.rays[0], down = c.rays[2];
+  const Vec3 above = Vec3::UnitX().cross(level), before = down.cross(Vec3::UnitX());  // up, and forwards
+  ASSERT_GT(above.z(), 0.8);
+  ASSERT_GT(std::abs(before.y()), 0.8);
+  const double forwards = before.y() > 0 ? 1 : -1;
+  const double counted = counted_mm3(false, [&](const Vec3& x) {
+    const Vec3 d = x - c.corner_mm;
+    return above.dot(d) < 0 && forwards * before.dot(d) > 0;
+  });
+  EXPECT_NEAR(at(*h, "A").volume_mm3, counted, kClosedForm * counted);
+  for (const char* n : {"A", "ANS", "PNS", "Is", "Rhi", "Or_R", "Or_L"}) EXPECT_EQ(at(*h, n).id, at(*h, "A").id) << n;
+  for (const char* n : {"G", "V", "Ba", "Po_R", "Po_L"}) EXPECT_NE(at(*h, n).id, at(*h, "A").id) << n;
+  EXPECT_NEAR(figure(*h, "overjet", false) - figure(*h, "overjet", true), 8, 1e-9);
+  // Nothing is cut above the floor of the brain: the level plane falls backwards, and stays below it in the middle.
+  const HeadShape& shape = made().shape;
+  for (double y = c.corner_mm.y() + 1; y < 90; ++y) {
+    const double z = c.corner_mm.z() + (y - c.corner_mm.y()) * level.z() / level.y();
+    EXPECT_GT(shape.brain({0, y, z}), 0) << y;
+  }
+}
+
+TEST(Operations, AmountsAreAskedAndHeldToTheirRange) {
+  InlineWorkers w;
+  const PlannedOperation back = plan_operation(made().ground, "sagittal_split", -4, w);
+  ASSERT_TRUE(back.made()) << back.why;
+  EXPECT_NE(back.title.find("4 mm back"), std::string::npos) << back.title;
+  const auto h = head(w);
+  carry_out(*h, back.script);
+  EXPECT_NEAR(figure(*h, "overjet", false) - figure(*h, "overjet", true), 4, 1e-9);
+  EXPECT_THROW(plan_operation(made().ground, "le_fort_2", 4, w), InputError);
+  for (const KnownOperation& k : known_operations()) EXPECT_TRUE(k.least < k.usual && k.usual < k.most) << k.name;
 }
 
 TEST(Operations, ASagittalSplitLeavesCondylesAndTakesTheTeethForwards) {
@@ -224,7 +266,15 @@ TEST(Operations, AChinGoesForwards) {
   EXPECT_EQ(h->bones().fragments().size(), 3u);
   check_parts(*h);
   const auto before = places(h->landmarks_at_rest()), now = places(h->landmarks_now());
-  EXPECT_NEAR((now.at("Pog") - before.at("Pog") - Vec3(0, 6, 0)).norm(), 0, 1e-9);
+  // It slides: forwards by 6 mm, and neither up nor down from its cut.
+  const Vec3 way = now.at("Pog") - before.at("Pog");
+  EXPECT_NEAR(way.y(), 6, 1e-9);
+  EXPECT_EQ(way.x(), 0);
+  for (const ScriptLine& l : made().by_name.at("genioplasty").script.lines)
+    if (const auto* c = std::get_if<HeadCommand>(&l.command))
+      if (const auto* cut = std::get_if<CutBone>(c)) {
+        EXPECT_NEAR(way.dot(cut->normal), 0, 0.01);
+      }
   EXPECT_EQ(now.at("Ii"), before.at("Ii"));
 }
 

@@ -41,6 +41,10 @@ TEST(ScriptHead, EveryActSurvivesTheRoundTrip) {
                                       tissue,
                                       Unplate{{2, Vec3::Zero()}},
                                       SortFragments{},
+                                      SplitFace{{0, 84, 60.5}},
+                                      MergeFaces{{0, 84, 60.5}},
+                                      SmoothSurface{{0, 84, 60.5}, 12.5},
+                                      PushSurface{{0, 96, 60}, {0, 88, 60}, 7.5, FragmentPick{3, Vec3::Zero()}},
                                       PlaceLandmark{"Pog'", {0, 95, -80}, true},
                                       Superpose{SkullBeside::mirror, "advanced"},
                                       Superpose{SkullBeside::off, ""}};
@@ -72,6 +76,14 @@ TEST(ScriptHead, BadLinesSayLineAndReason) {
   EXPECT_NE(why(R"({"action":"osteotomy","corner":[0,0,0],"rays":[[0,1,0]]})")
                 .find("s.jsonl:7: \"rays\" has 1 points; expected 2"),
             std::string::npos);
+  std::string nine;
+  for (int i = 0; i < 9; ++i) nine += (i > 0 ? ",[" : "[") + std::to_string(i) + ",1,0]";
+  EXPECT_NE(why(R"({"action":"osteotomy","corner":[0,0,0],"rays":[)" + nine + "]}")
+                .find("s.jsonl:7: \"rays\" holds 9 directions; expected two to 8"),
+            std::string::npos);
+  EXPECT_NE(why(R"({"action":"push_surface","from":[0,96,60],"to":[0,88,60],"radius_mm":0})").find("radius_mm"),
+            std::string::npos);
+  EXPECT_NE(why(R"({"action":"split_face"})").find("\"at\" is missing"), std::string::npos);
   EXPECT_NE(why(R"({"action":"osteotomy","rays":[[0,1,0],[1,0,0]]})").find("\"corner\" is missing"), std::string::npos);
   EXPECT_NE(why(R"({"action":"osteotomy","corner":[0,0,0],"rays":[[0,1,0],[1,0,0]],"radius_mm":3})")
                 .find("unknown key \"radius_mm\""),

@@ -170,6 +170,11 @@ TEST(ShippedScripts, AreReadAndWrittenByteForByte) {
   }
   for (const std::string name : {"face", "scalp", "craniofacial"})  // written by hand
     EXPECT_EQ(shipped_script(name).header.scene, name);
+  for (const std::string name : {"le_fort_1", "le_fort_3", "sagittal_split", "genioplasty", "autorotation"}) {
+    std::ifstream in(source_dir() + "/recordings/" + name + ".jsonl", std::ios::binary);
+    const std::string text((std::istreambuf_iterator<char>(in)), {});
+    EXPECT_EQ(text, to_text(shipped_script(name))) << name;  // as `limberg procedure` writes it
+  }
 }
 
 }  // namespace test_shipped_scripts

@@ -21,6 +21,7 @@ class KeptBones : public bone::Bones {
   Outcome cut(const bone::Osteotomy& what) { return keep(Bones::cut(what)); }
   Outcome join(int32_t a, int32_t b, double smooth_mm = 0) { return keep(Bones::join(a, b, smooth_mm)); }
   Outcome move(int32_t id, const Eigen::Isometry3d& pose) { return keep(Bones::move(id, pose)); }
+  Outcome work(int32_t id, const bone::SurfaceWork& what) { return keep(Bones::work(id, what)); }
   Outcome plate(const Vec3& a_mm, const Vec3& b_mm) { return keep(Bones::plate(a_mm, b_mm)); }
   Outcome unplate(int32_t id) { return keep(Bones::unplate(id)); }
   Outcome sort() { return keep(Bones::sort()); }

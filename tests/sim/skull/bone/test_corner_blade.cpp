@@ -141,6 +141,29 @@ TEST(CornerBlade, AStepThroughAShellCutsBothTables) {
   EXPECT_NEAR(v[0], counted, 0.03 * counted);
 }
 
+TEST(CornerBlade, PlanesThatCrossEachOtherAreRefused) {
+  const auto fault = [](const std::vector<Vec3>& rays) { return CornerBlade(Vec3::Zero(), rays, 50).fault(); };
+  // A step and a split are sound, and so is a plane that goes on as it was.
+  EXPECT_EQ(fault({kY, kX, -kZ}), "");
+  EXPECT_EQ(fault({kX, kY, -kZ, -kX}), "");
+  EXPECT_EQ(fault({kX, kY, -kX}), "");
+  // From the third plane's last direction through the middle of the first plane: by hand, the line that both have in
+  // common is (1, 1, 0), between x and y, and between -z and (2, 2, 1).
+  EXPECT_NE(fault({kX, kY, -kZ, Vec3(2, 2, 1)}).find("plane 3 of the blade crosses or touches plane 1"),
+            std::string::npos);
+  EXPECT_EQ(fault({kX, kY, -kZ, Vec3(2, -2, 1)}), "");  // past it
+  // Back to where it began: they touch.
+  EXPECT_NE(fault({kX, kY, kZ, kX}).find("crosses or touches"), std::string::npos);
+  // Folded back upon itself, in one plane.
+  EXPECT_NE(fault({kX, kY, Vec3(1, 0.2, 0)}).find("plane 2 of the blade crosses or touches plane 1"),
+            std::string::npos);
+  Mesh m = test::ellipsoid();
+  const uint64_t before = simplex::hash(m);
+  simplex::Delta d;
+  EXPECT_FALSE(cut_bone(m, 0, fan({0, 0, 0}, {kX, kY, -kZ, Vec3(2, 2, 1)}, 240), d));
+  EXPECT_EQ(simplex::hash(m), before);
+}
+
 TEST(CornerBlade, WhatIsNoBladeIsRefusedAndChangesNothing) {
   Mesh m = test::ellipsoid();
   const uint64_t before = simplex::hash(m);
