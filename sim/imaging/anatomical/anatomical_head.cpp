@@ -14,7 +14,7 @@ using anatomical::BoneShape;
 using anatomical::SkinShape;
 
 constexpr double kSpread = 0.22;  // how fast edges grow away from what is fine
-constexpr double kBoneGrid_mm = 2.4, kSkinGrid_mm = 3.5;
+constexpr double kBoneCell_mm = 2.4, kSkinCell_mm = 3.5;
 const Vec3 kLow(-105, -122, -118), kHigh(105, 138, 142);
 
 struct Fine {
@@ -25,8 +25,9 @@ const Fine kFineSkin[] = {{{31.5, 80, 15}, 19, 1.15}, {{0, 103, -54}, 15, 1.5}, 
                           {{0, 110, -28}, 18, 1.6},   {{78, -14, 3}, 30, 1.6},  {{0, 100, 0}, 20, 2.4},
                           {{0, 90, -90}, 20, 2.6},    {{30, 85, -25}, 25, 3.0}};
 const Fine kFineBone[] = {{{51, 12, -7}, 16, 1.7},  {{0, 97, -12}, 22, 2.0}, {{31, 78, 12}, 22, 2.2},
-                          {{24, 62, -15}, 16, 2.0}, {{9, 86, 30}, 12, 1.7},  {{17, 42, -22}, 16, 2.0},
-                          {{0, 66, -32}, 30, 2.4},  {{50, 40, -6}, 22, 2.4}, {{0, 80, -82}, 26, 2.6}};
+                          {{24, 62, -15}, 16, 2.0}, {{9, 86, 30}, 12, 1.7},  {{5, 78, 12}, 14, 2.0},
+                          {{17, 42, -22}, 16, 2.0}, {{0, 66, -32}, 30, 2.4}, {{50, 40, -6}, 22, 2.4},
+                          {{0, 80, -82}, 26, 2.6}};
 
 template <size_t N>
 double finest(const Fine (&zones)[N], const Vec3& p, double coarse) {
@@ -59,13 +60,13 @@ HeadModel make_anatomical_head(const HeadSpec& spec, Workers& workers) {
   };
   out.cranium =
       surface_of([&](const Vec3& p) { return bone.skull(p); }, BoneShape::kLipschitz, {kLow.x(), kLow.y(), -66}, kHigh,
-                 kBoneGrid_mm, spec.edge_mm, [&](const Vec3& p) { return at_teeth(bone.upper_teeth(p), p); }, workers,
+                 kBoneCell_mm, spec.edge_mm, [&](const Vec3& p) { return at_teeth(bone.upper_teeth(p), p); }, workers,
                  out.cranium_report);
   out.mandible =
       surface_of([&](const Vec3& p) { return bone.mandible(p); }, BoneShape::kLipschitz, {-72, -12, -112}, {72, 116, 4},
-                 kBoneGrid_mm, spec.edge_mm, [&](const Vec3& p) { return at_teeth(bone.lower_teeth(p), p); }, workers,
+                 kBoneCell_mm, spec.edge_mm, [&](const Vec3& p) { return at_teeth(bone.lower_teeth(p), p); }, workers,
                  out.mandible_report);
-  out.face = surface_of([&](const Vec3& p) { return skin(p); }, SkinShape::kLipschitz, kLow, kHigh, kSkinGrid_mm,
+  out.face = surface_of([&](const Vec3& p) { return skin(p); }, SkinShape::kLipschitz, kLow, kHigh, kSkinCell_mm,
                         spec.face_edge_mm, [&](const Vec3& p) { return finest(kFineSkin, p, spec.face_edge_mm); },
                         workers, out.face_report);
   out.landmarks = landmarks_by(anatomical_landmark_rules(), {[&](const Vec3& p) { return bone.skull(p); },

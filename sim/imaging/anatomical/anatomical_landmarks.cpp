@@ -37,7 +37,7 @@ const std::vector<LandmarkRule>& anatomical_landmark_rules() {
       {"g'", skin, {0, 100, 36}, in, out, {0, 8}},
       {"n'", skin, {0, 97, 20}, in, in, {0, 8}},
       {"prn", skin, {0, 123, -24}, in, out, {0, 6}},
-      {"sn", skin, {0, 106, -34}, {0, -1, 1}, {0, -1, 1}, {0, 5}},
+      {"sn", skin, {0, 106, -35}, {0, -1, 1}, {0, -1, 1}, {0, 4}},
       {"ls", skin, {0, 110, -50}, in, out, {0, 3}},
       {"sto", skin, {0, 105, -55.8}, in, in, {0, 1.5}},
       {"li", skin, {0, 107, -61}, in, out, {0, 4}},

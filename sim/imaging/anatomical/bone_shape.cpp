@@ -12,7 +12,7 @@ constexpr double kScalp_mm = 5.6, kVault_mm = 6.6, kLeastSkin_mm = 2.8, kJoint_m
 // ---- skull ----
 const Ellipsoid kBase({0, 12, -3}, {40, 48, 17}), kClivus({0, -10, -14}, {20, 22, 9}),
     kNuchal({0, -40, -9}, {46, 38, 13});
-const Ellipsoid kMaxilla({0, 60, -24}, {31, 26.5, 26}), kEthmoid({0, 66, 8}, {14.5, 22, 19}),
+const Ellipsoid kMaxilla({0, 64, -24}, {31, 22.5, 26}), kEthmoid({0, 66, 8}, {14.5, 22, 19}),
     kWing({37, 57, 10}, {17, 20, 21});
 const Ellipsoid kGlenoid({51, 9, 2}, {13, 15, 8});
 const Tube kEminence{{43, 21.5, -4.5, 4.5}, {58, 20.5, -4, 4.5}};
@@ -22,7 +22,7 @@ const Capsule kCondyleOfOcciput({13, -12, -18}, {17, -22, -19}, 5.5, 5.5);
 const Tube kZygoma{{33, 70.5, -15, 8.5}, {43, 66, -13, 8}, {50.5, 58, -8, 7}};
 const Tube kArch{{50.5, 57, -7.5, 5.2}, {57, 44, -5.6, 4.2}, {60.4, 28, -4, 3.9}, {60.4, 14, -1.5, 4}, {56, 2, 1, 5}};
 const Tube kLateralRim{{51, 59, -7, 6.5}, {50.5, 61, 4, 5}, {50.2, 64, 15, 4.8}, {47.5, 67, 24, 5}};
-const Tube kLowerRim{{15, 82.5, -3, 4.5}, {26, 80, -6.5, 5}, {38, 74.5, -8.5, 6}, {48, 66, -5, 6}};
+const Tube kLowerRim{{15, 83, -1, 4.6}, {26, 80.5, -4, 5}, {38, 75, -5.8, 6}, {48, 66, -3, 6}};
 const Tube kFrontalProcess{{8.5, 88.5, 20, 4.5}, {12.5, 86, 4, 4.6}, {15.5, 83, -12, 6.5}};
 const Tube kNasal{{0, 85.8, 22, 5.6}, {0, 92, 12, 4.8}, {0, 99, 1, 3.2}},
     kNasalSide{{4.5, 85, 22, 5.5}, {6, 90, 10, 4.4}, {5.4, 95.5, 0, 2.6}};
@@ -31,7 +31,7 @@ const Tube kUpperAlveolus{{-11, 84.5, -39, 5.6}, {0, 87.0, -39, 5.4}, {11, 84.5,
                           {19, 77, -38.5, 6},    {24, 66, -38, 6.2},  {25.5, 52, -37.5, 6}};
 const Tube kSpine{{0, 83, -32, 5.5}, {0, 90, -30.6, 3.8}, {0, 93.4, -29.8, 2.4}},
     kBackSpine{{0, 50, -33, 3.2}, {0, 43, -32.4, 1.6}};
-const Tube kPterygoid{{17, 46, -6, 5}, {17.5, 43, -20, 3.6}, {18.5, 40, -34, 2.6}};
+const Tube kPterygoid{{17, 47, -6, 5}, {17.5, 43, -20, 3.6}, {18.5, 40, -34, 2.6}};
 // ---- what is taken away ----
 const Ellipsoid kPiriform({0, 96, -17.5}, {11.8, 20, 12.5}), kNose({0, 62, -15.5}, {11.5, 36, 13.6}),
     kMouth({0, 60, -53}, {17.5, 30, 17.5});
@@ -39,7 +39,7 @@ const Capsule kPiriformTop({0, 99, -10}, {0, 106, -5}, 6, 5.2);
 const Capsule kApex({28, 70, 14}, {18.5, 53, 12}, 12, 4), kInfratemporal({46, 50, -14}, {49, 30, -10}, 6, 11);
 const Capsule kForamen({0, -24, -60}, {0, -24, 10}, 16, 16);
 const Ellipsoid kMaxillarySinus({23.5, 62, -17}, {8.6, 12.5, 10.5}), kFrontalSinus({9, 87.6, 33}, {9, 3.4, 8});
-const Capsule kOstium({22, 62, -10}, {8, 60, -10}, 2.4, 2.4), kDuct({5, 85.5, 29}, {5, 70, -6}, 1.9, 1.9);
+const Capsule kOstium({22, 62, -10}, {8, 60, -10}, 2.8, 2.8), kDuct({5.5, 85.8, 29}, {5, 70, -8}, 2.7, 2.7);
 const Ellipsoid kSphenoid({0, 18, 4}, {15, 16, 13}), kSella({0, 20, 17}, {7, 6, 6});
 const Ball kJointBall{{51, 12, -8}, 26};
 
@@ -55,10 +55,10 @@ double bump(const Vec3& q, const Vec3& c, double sd) { return elementary::exp(-(
 // ---- mandible ----
 const Tube kCondyle{{44.5, 11.4, -8.2, 4.2}, {50, 11.2, -7.6, 4.9}, {57, 10, -8, 4.2}};
 const Tube kBehind{
-    {50.5, 10.6, -11, 4.6}, {50, 9, -20, 4.6}, {49.4, 7, -34, 5.2}, {48, 6, -48, 5.6}, {46.5, 11, -60, 6}};
+    {50.5, 10.6, -11, 4.6}, {50, 9, -20, 4.6}, {49.4, 7, -34, 5.2}, {49.2, 6, -48, 5.6}, {48.8, 10, -60, 6}};
 const Tube kCoronoid{{48.6, 33, -13, 2.4}, {48.4, 31.5, -24, 4.0}, {47.6, 30, -40, 5.2}, {43.5, 34, -53, 6}};
 const Tube kRamus{{49, 18, -31, 4.6}, {48, 19, -42, 5.4}, {46.6, 20, -58, 6.4}};
-const Tube kLowerBorder{{46.5, 11, -60, 6},   {43, 26, -70, 6.4}, {35.5, 45, -79.5, 6.6},
+const Tube kLowerBorder{{48.8, 10, -60, 6},   {44, 26, -70, 6.4}, {35.5, 45, -79.5, 6.6},
                         {24, 64, -86.5, 6.8}, {11, 77, -90, 6.8}, {0, 79.5, -90.6, 7}};
 const Tube kBody{{44, 33, -55, 6.2}, {35.5, 47, -65, 7}, {26, 65, -73, 7}, {12, 78, -78, 6.6}, {0, 80.8, -79, 6.6}};
 const Tube kLowerAlveolus{{34, 42, -60, 5},   {28, 53, -62.5, 5.4},     {24, 62, -64.5, 5.4},
@@ -125,7 +125,7 @@ double BoneShape::skull(const Vec3& p) const {
   d = join(d, kPterygoid, q, 4);
   if (kJointBall.holds(q)) d = smax(d, kJoint_mm - smin(smin(kCondyle(q), kBehind(q), 4), kCoronoid(q), 4), 1.5);
   if (d < 12) d = smax(d, a.skin(q) + kLeastSkin_mm, 1);
-  if (a.upper.near(q, 20)) d = smin(d, a.upper.crowns(q), 0.4);
+  if (a.upper.near(q, 20)) d = smin(d, a.upper.crowns(q), 1.2);
   return d;
 }
 
@@ -138,7 +138,7 @@ double BoneShape::mandible(const Vec3& p) const {
   d = smin(join(d, kLowerAlveolus, q, 7), kChin(q), 7);
   if (a.lower.near(q, 30)) d = smin(d, a.lower.roots(q), 2);
   if (d < 12) d = smax(d, a.skin(q) + kLeastSkin_mm, 1);
-  if (a.lower.near(q, 20)) d = smin(d, lower_teeth(p), 0.4);
+  if (a.lower.near(q, 20)) d = smin(d, lower_teeth(p), 1.2);
   return d;
 }
 

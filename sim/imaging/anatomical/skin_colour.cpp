@@ -14,7 +14,7 @@ const Vec3 kSkin(0.870, 0.690, 0.600), kFlush(0.830, 0.520, 0.450), kPale(0.890,
     kHair(0.215, 0.160, 0.125), kWhite(0.900, 0.875, 0.850), kPink(0.800, 0.560, 0.520), kIris(0.330, 0.270, 0.190),
     kLimbus(0.120, 0.100, 0.090), kPupil(0.02, 0.02, 0.02);
 
-double bump(const Vec3& q, const Vec3& c, double sd) { return elementary::exp(-(q - c).squaredNorm() / (2 * sd * sd)); }
+double spot(const Vec3& q, const Vec3& c, double sd) { return elementary::exp(-(q - c).squaredNorm() / (2 * sd * sd)); }
 
 double number(int x, int y, int z) {
   uint32_t h = uint32_t(x) * 0x9e3779b9u ^ uint32_t(y) * 0x85ebca6bu ^ uint32_t(z) * 0xc2b2ae35u;
@@ -75,10 +75,10 @@ Vec3 skin_colour(const Vec3& p) {
   const auto mix = [](const Vec3& a, const Vec3& b, double t) { return Vec3(a + std::clamp(t, 0., 1.) * (b - a)); };
   Vec3 c = kSkin;
   c = mix(c, kFlush,
-          0.42 * bump(q, {40, 80, -16}, 15) + 0.50 * bump(q, {0, 120, -26}, 11) + 0.4 * bump(q, {14, 106, -28}, 8) +
-              0.50 * bump(q, {82, -18, 4}, 22) + 0.20 * bump(q, {0, 98, -90}, 12));
-  c = mix(c, kPale, 0.55 * bump(q, {0, 96, 58}, 30));
-  c = mix(c, kShade, 0.45 * bump(q, {24, 84, 7}, 7) + 0.35 * bump(q, {33, 84, 24}, 9));
+          0.42 * spot(q, {40, 80, -16}, 15) + 0.50 * spot(q, {0, 120, -26}, 11) + 0.4 * spot(q, {14, 106, -28}, 8) +
+              0.50 * spot(q, {82, -18, 4}, 22) + 0.20 * spot(q, {0, 98, -90}, 12));
+  c = mix(c, kPale, 0.55 * spot(q, {0, 96, 58}, 30));
+  c = mix(c, kShade, 0.45 * spot(q, {24, 84, 7}, 7) + 0.35 * spot(q, {33, 84, 24}, 9));
   // A shaven beard.
   if (q.y() > 0) {
     const double jaw = ramp(-34, -58, q.z()) * ramp(10, 40, q.y()) * ramp(-117, -100, q.z());
@@ -95,7 +95,7 @@ Vec3 skin_colour(const Vec3& p) {
   c = mix(c, kHair, 0.93 * hair(q) * (0.86 + 0.14 * noise({q.x() / 0.9, q.y() / 2.4, q.z() / 0.9})));
   c = mix(c, kHair, 0.88 * brow(q));
   // Nostrils and the ear's canal are dark.
-  c *= 1 - 0.6 * bump(q, {7.2, 107, -28}, 3.0);
+  c *= 1 - 0.6 * spot(q, {7.2, 107, -28}, 3.0);
   // The eye.
   const Vec3 off = q - Eye::centre();
   if (std::abs(off.x()) < 20 && std::abs(off.z()) < 14 && q.y() > 70) {

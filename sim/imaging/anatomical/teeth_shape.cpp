@@ -21,7 +21,7 @@ const Size kLower[] = {{5.2, 6, 9.2, 12, 0, 14},   {5.6, 6.4, 9.4, 13, 0, 12}, {
 struct Arch {
   double a, b, y0;
 };
-constexpr Arch kUpperArch{26.5, 42, 52.5}, kLowerArch{24.6, 40.5, 51.6};
+constexpr Arch kUpperArch{26.5, 42, 52.5}, kLowerArch{24.6, 40.5, 52.6};
 /// Where the teeth meet, rising backwards.
 double occlusal(double y) { return -50.6 - 0.115 * (y - 55); }
 constexpr double kBite_mm = -0.4;  // half the gap between rows; below 0 cusps reach into fossae
@@ -92,7 +92,7 @@ bool Teeth::near(const Vec3& q, double d) const {
 double Teeth::crowns(const Vec3& q) const {
   double d = 15;
   for (const Tooth& t : tooth_)
-    if ((q - t.neck - 0.5 * t.high * t.axes.col(2)).norm() - 9.5 < d) d = std::min(d, t(q));
+    if ((q - t.neck - 0.5 * t.high * t.axes.col(2)).norm() - 9.5 < d) d = smin(d, t(q), 0.8);
   return d;
 }
 
