@@ -71,8 +71,8 @@ inline double ramp(double a, double b, double x) {
 /// solve a linear system). Added to a distance it pulls its surface onto these places.
 class Pull {
  public:
-  /// `mirrored`: every place off x = 0 counts on both sides.
-  /// `slack`: added to the diagonal of the system; the surface then passes by places that ask for ripples. Throws InputError where two places coincide.
+  /// `mirrored`: every place off x = 0 counts on both sides. `slack`: added to the diagonal of the system; the surface
+  /// then passes by places that ask for ripples. Throws InputError where two places coincide.
   Pull(std::vector<Vec3> places, const std::vector<double>& values, double reach_mm, bool mirrored, double slack = 0);
   double operator()(const Vec3& p) const;
 

@@ -10,7 +10,7 @@ namespace limberg::anatomical {
 namespace {
 
 const Vec3 kSkin(0.870, 0.690, 0.600), kFlush(0.830, 0.520, 0.450), kPale(0.890, 0.740, 0.640),
-    kShade(0.700, 0.520, 0.470), kBeard(0.640, 0.560, 0.530), kVermilion(0.705, 0.400, 0.370),
+    kShade(0.700, 0.520, 0.470), kBeard(0.640, 0.560, 0.530), kVermilion(0.665, 0.425, 0.395),
     kHair(0.215, 0.160, 0.125), kWhite(0.900, 0.875, 0.850), kPink(0.800, 0.560, 0.520), kIris(0.330, 0.270, 0.190),
     kLimbus(0.120, 0.100, 0.090), kPupil(0.02, 0.02, 0.02);
 
@@ -48,7 +48,8 @@ double hair(const Vec3& q) {
   static const double y[] = {-95, -62, -42, -26, -16, 4, 9, 20, 26, 40, 52, 62, 74, 88},
                       z[] = {-52, -52, -44, -18, 33, 33, 0, 0, 26, 46, 58, 72, 80, 80};
   const double line = along(y, z, q.y()) + 5 * (noise(q / 5) - 0.5) - 5 * ramp(0, 24, 24 - q.x()) * ramp(70, 84, q.y());
-  const bool ear = q.y() > -38 && q.y() < 3 && q.z() < 37 && q.x() > 69 + 0.12 * std::max(0., -q.y());
+  const bool ear =
+      q.y() > -38 && q.y() < 3 && q.z() < 32.5 && (q.y() > -8 ? q.x() > 70 : q.x() > 74.8 + 0.3 * (-8 - q.y()));
   return ear ? 0 : ramp(-3, 3, q.z() - line);
 }
 
@@ -75,7 +76,7 @@ Vec3 skin_colour(const Vec3& p) {
   const auto mix = [](const Vec3& a, const Vec3& b, double t) { return Vec3(a + std::clamp(t, 0., 1.) * (b - a)); };
   Vec3 c = kSkin;
   c = mix(c, kFlush,
-          0.42 * spot(q, {40, 80, -16}, 15) + 0.50 * spot(q, {0, 120, -26}, 11) + 0.4 * spot(q, {14, 106, -28}, 8) +
+          0.42 * spot(q, {40, 80, -16}, 15) + 0.28 * spot(q, {0, 120, -26}, 11) + 0.4 * spot(q, {14, 106, -28}, 8) +
               0.50 * spot(q, {82, -18, 4}, 22) + 0.20 * spot(q, {0, 98, -90}, 12));
   c = mix(c, kPale, 0.55 * spot(q, {0, 96, 58}, 30));
   c = mix(c, kShade, 0.45 * spot(q, {24, 84, 7}, 7) + 0.35 * spot(q, {33, 84, 24}, 9));
@@ -113,7 +114,8 @@ Vec3 skin_colour(const Vec3& p) {
       c = mix(eye, kPupil, ramp(2.5, 1.9, r));
     } else {
       const double over = q.z() - high, under = low - q.z();
-      if (q.x() > 19) c = mix(c, kHair, 0.85 * ramp(1.5, 0.2, std::abs(over)) + 0.35 * ramp(1.1, 0.1, std::abs(under)));
+      if (q.x() > 19 && q.x() < Eye::kEx_mm)
+        c = mix(c, kHair, 0.85 * ramp(1.5, 0.2, std::abs(over)) + 0.35 * ramp(1.1, 0.1, std::abs(under)));
     }
   }
   return c.cwiseMax(0.).cwiseMin(1.);

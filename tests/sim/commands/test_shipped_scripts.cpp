@@ -170,7 +170,8 @@ TEST(ShippedScripts, AreReadAndWrittenByteForByte) {
   }
   for (const std::string name : {"face", "scalp", "craniofacial"})  // written by hand
     EXPECT_EQ(shipped_script(name).header.scene, name);
-  for (const std::string name : {"head-le-fort-1", "head-genioplasty"}) EXPECT_EQ(shipped_script(name).header.scene, "head");
+  for (const std::string name : {"head-le-fort-1", "head-genioplasty"})
+    EXPECT_EQ(shipped_script(name).header.scene, "head");
 }
 
 }  // namespace test_shipped_scripts

@@ -206,7 +206,9 @@ TEST(AnatomicalMeshes, AreClosedLieOnTheSurfaceAndHardlyMeetThemselves) {
     EXPECT_FALSE(simplex::find_fault(p.mesh)) << "a closed, oriented surface";
     const simplex::Census c = simplex::census(p.mesh);
     EXPECT_EQ(c.end_contours, p.ends);
-    if (p.genus >= 0) EXPECT_EQ(c.genus, p.genus);
+    if (p.genus >= 0) {
+      EXPECT_EQ(c.genus, p.genus);
+    }
     const double cm3 = 1e-3 * simplex::extent(p.mesh).volume_mm3;
     EXPECT_GT(cm3, p.least_cm3);
     EXPECT_LT(cm3, p.most_cm3);
