@@ -109,8 +109,8 @@ TEST(AnatomicalShape, HollowsAreWhereTheyShouldBe) {
   EXPECT_TRUE(hollow({23.5, 62, -17})) << "maxillary sinus";
   EXPECT_TRUE(hollow({9, 87.6, 33})) << "frontal sinus";
   EXPECT_TRUE(hollow({0, -24, -18})) << "foramen magnum";
-  EXPECT_LT(bone().skull({9, 93, 33}), -0.5) << "outer wall of the frontal sinus";
-  EXPECT_LT(bone().skull({23.5, 62, -4.2}), -0.5) << "floor of the orbit";
+  EXPECT_LT(bone().skull({9, 92.3, 33}), -0.2) << "outer wall of the frontal sinus";
+  EXPECT_LT(bone().skull({23.5, 62, -4.2}), -0.2) << "floor of the orbit";
 }
 
 TEST(AnatomicalLandmarks, LieOnTheirSurfacesAndInPairs) {
