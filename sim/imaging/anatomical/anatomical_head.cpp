@@ -47,7 +47,23 @@ simplex::Mesh surface_of(std::function<double(const Vec3&)> f, double lipschitz,
   return mesh_level_set(s, settings, workers, &report);
 }
 
+std::vector<std::pair<std::string, Vec3>> landmarks_on(const SkinShape& skin, const BoneShape& bone) {
+  std::vector<std::pair<std::string, Vec3>> out =
+      landmarks_by(anatomical_landmark_rules(), {[&](const Vec3& p) { return bone.skull(p); },
+                                                 [&](const Vec3& p) { return bone.mandible(p); },
+                                                 [&](const Vec3& p) { return skin(p); },
+                                                 BoneShape::kLipschitz,
+                                                 {}});
+  out.insert(out.begin(), {"S", Vec3(0, 20, 15.5)});
+  return out;
+}
+
 }  // namespace
+
+std::vector<std::pair<std::string, Vec3>> anatomical_landmarks() {
+  const SkinShape skin;
+  return landmarks_on(skin, BoneShape(skin));
+}
 
 HeadModel make_anatomical_head(const HeadSpec& spec, Workers& workers) {
   for (const double e : {spec.edge_mm, spec.face_edge_mm})
@@ -69,12 +85,7 @@ HeadModel make_anatomical_head(const HeadSpec& spec, Workers& workers) {
   out.face = surface_of([&](const Vec3& p) { return skin(p); }, SkinShape::kLipschitz, kLow, kHigh, kSkinCell_mm,
                         spec.face_edge_mm, [&](const Vec3& p) { return finest(kFineSkin, p, spec.face_edge_mm); },
                         workers, out.face_report);
-  out.landmarks = landmarks_by(anatomical_landmark_rules(), {[&](const Vec3& p) { return bone.skull(p); },
-                                                             [&](const Vec3& p) { return bone.mandible(p); },
-                                                             [&](const Vec3& p) { return skin(p); },
-                                                             BoneShape::kLipschitz,
-                                                             {}});
-  out.landmarks.insert(out.landmarks.begin(), {"S", Vec3(0, 20, 15.5)});
+  out.landmarks = landmarks_on(skin, bone);
   return out;
 }
 

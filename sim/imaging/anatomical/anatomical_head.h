@@ -20,6 +20,9 @@ namespace limberg {
 /// Of the settings edge_mm and face_edge_mm count. Throws InputError where they are not 1.5 to 12 mm.
 HeadModel make_anatomical_head(const HeadSpec& spec, Workers& workers);
 
+/// Those of the head alone, without its meshes.
+std::vector<std::pair<std::string, Vec3>> anatomical_landmarks();
+
 /// As those of the synthetic head (synthetic_head.h), and more on bone: Me, Gn, Pr, Id, U6, L6, Ft, Ms.
 const std::vector<LandmarkRule>& anatomical_landmark_rules();
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "sim/base/elementary.h"
+#include "sim/imaging/anatomical/ear_shape.h"
 #include "sim/imaging/anatomical/eye_shape.h"
 #include "sim/imaging/anatomical/teeth_shape.h"
 
@@ -45,12 +46,12 @@ double along(const double (&x)[N], const double (&y)[N], double at) {
 /// How much of the scalp's hair is there: 0 to 1.
 double hair(const Vec3& q) {
   // The hairline's height over how far forwards a place lies: nape, behind the ear, over it, sideburn, temple, forehead.
-  static const double y[] = {-95, -62, -42, -26, -16, 4, 9, 20, 26, 40, 52, 62, 74, 88},
-                      z[] = {-52, -52, -44, -18, 33, 33, 0, 0, 26, 46, 58, 72, 80, 80};
+  static const double y[] = {-95, -62, -42, -26, -16, -4, 4, 20, 26, 40, 52, 62, 74, 88},
+                      z[] = {-52, -52, -44, -18, -2, 8, 1, 0, 26, 46, 58, 72, 80, 80};
+  static const Ear ear;
+  constexpr double kFar_mm = 1000;
   const double line = along(y, z, q.y()) + 5 * (noise(q / 5) - 0.5) - 5 * ramp(0, 24, 24 - q.x()) * ramp(70, 84, q.y());
-  const bool ear =
-      q.y() > -38 && q.y() < 3 && q.z() < 32.5 && (q.y() > -8 ? q.x() > 70 : q.x() > 74.8 + 0.3 * (-8 - q.y()));
-  return ear ? 0 : ramp(-3, 3, q.z() - line);
+  return ramp(-3, 3, q.z() - line) * ramp(2, 5, ear.upon(kFar_mm, q) + 2 * (noise(q / 3) - 0.5));
 }
 
 double brow(const Vec3& q) {
@@ -115,7 +116,10 @@ Vec3 skin_colour(const Vec3& p) {
     } else {
       const double over = q.z() - high, under = low - q.z();
       if (q.x() > 19 && q.x() < Eye::kEx_mm)
-        c = mix(c, kHair, 0.85 * ramp(1.5, 0.2, std::abs(over)) + 0.35 * ramp(1.1, 0.1, std::abs(under)));
+        // Lashes stand where the lids are apart, and end before they meet.
+        c = mix(c, kHair,
+                ramp(2.5, 5, high - low) *
+                    (0.85 * ramp(1.5, 0.2, std::abs(over)) + 0.35 * ramp(1.1, 0.1, std::abs(under))));
     }
   }
   return c.cwiseMax(0.).cwiseMin(1.);
