@@ -77,6 +77,7 @@ void HeadView::build(const simplex::Mesh& face, const bone::Bones& bones,
     }
     tissue_vertices_ += size_t(t->vertices());
   }
+  if (colour) top->rgba.resize(top->view.X_mm.size());  // tissue is strands, and shows none
   top->landmark = landmarks;
   Hash64 h;
   h.add(simplex::topology_hash(face)), h.add(simplex::topology_hash(mesh));
