@@ -39,6 +39,8 @@ struct TissueMesh {
   std::vector<Eigen::Vector2f> chart_mm;     // texture coordinate: rest position in the skin's chart
   std::vector<float> depth_mm;               // below the skin at rest
   std::vector<float> rim_mm;                 // of skin: distance at rest to the nearest cut edge, at most kRimReach_mm
+  std::vector<Eigen::Vector2f> uv;           // in `image`; empty where there is none
+  std::vector<std::array<uint8_t, 4>> rgba;  // own colours (SurfaceTopology::rgba); empty where there are none
   std::vector<Part> part;                    // skin, wall, side, bone, bone_cut or face
   std::vector<std::array<uint32_t, 3>> tri;  // render vertices; in the order of kTissueParts
   std::vector<int32_t> tri_source;           // triangle of SurfaceView
@@ -46,6 +48,7 @@ struct TissueMesh {
   std::array<size_t, kParts> triangles_of{};  // per part
   std::vector<std::array<int32_t, 2>> rim;    // edges between skin and wall (SurfaceView vertices), skin on the left
   std::vector<Layer> layers;
+  std::shared_ptr<const SkinImage> image;  // on the skin; null: there is none
   // unit: how the tension lines run on the chart; zero: unknown
   Eigen::Vector2f tension_chart = Eigen::Vector2f::Zero();
 };

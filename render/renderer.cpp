@@ -22,6 +22,12 @@ const Vec3f kKeyDirection = Vec3f(-0.62f, 0.44f, 0.65f).normalized();
 
 Vec3f unit_rgb(Rgb8 c) { return Vec3f(float(c.r), float(c.g), float(c.b)) / 255.0f; }
 
+// Of an sRGB byte, as make_texture stores colours: the root of linear light.
+float root_of_light(uint8_t c) {
+  const float v = float(c) / 255.0f;
+  return std::sqrt(v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f));
+}
+
 // The lamp's view: an orthographic box around the scene, looking along the light.
 Mat4f light_matrix(const RenderScene& scene) {
   Vec3f lo = scene.bounds_min, hi = scene.bounds_max;
@@ -46,8 +52,9 @@ struct Renderer::Impl {
   GlProgram line;
   GlMesh tissue_mesh, prop_mesh, line_mesh, empty;
   std::array<std::unique_ptr<ShadowMap>, 2> shadows;  // of pictures that are kept, of live ones
-  GLuint skin_map, grid_map, detail_map, slope_map, layer_map = 0;
-  std::array<GLuint, 2> colour_map;  // by ColourScale
+  GLuint skin_map, grid_map, detail_map, slope_map, layer_map = 0, image_map = 0;
+  std::shared_ptr<const SkinImage> image_sent;  // that image_map holds
+  std::array<GLuint, 2> colour_map;             // by ColourScale
   // What the buffers hold, so that only what has changed is sent, and the shadow of what has not moved is kept.
   std::shared_ptr<const TissueMesh> uploaded;
   // the tissue's triangles are those of the mesh, in their order; else those that a view may show
@@ -109,6 +116,20 @@ struct Renderer::Impl {
     return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
   }
 
+  void send_image(const std::shared_ptr<const SkinImage>& image) {
+    if (image == image_sent) return;
+    if (image_map) gl.DeleteTextures(1, &image_map), image_map = 0;
+    image_sent = image;
+    if (!image) return;
+    Texels t{image->width, image->height, {}};
+    t.rgba.resize(4 * size_t(t.width) * size_t(t.height));
+    for (size_t i = 0; i < t.rgba.size() / 4; ++i) {
+      std::copy_n(image->rgb.begin() + std::ptrdiff_t(3 * i), 3, t.rgba.begin() + std::ptrdiff_t(4 * i));
+      t.rgba[4 * i + 3] = 255;
+    }
+    image_map = make_texture(gl, t, true, true, true);
+  }
+
   void upload(const RenderScene& s) {
     const bool other_mesh = uploaded != s.mesh || !held.any;
     held.any = true;
@@ -120,6 +141,16 @@ struct Renderer::Impl {
       std::vector<Vec3f> chart_rim(m.X_mm.size());
       for (size_t v = 0; v < chart_rim.size(); ++v) chart_rim[v] << m.chart_mm[v], m.rim_mm[v];
       tissue_mesh.floats(4, 3, chart_rim.data(), chart_rim.size() * sizeof chart_rim[0]);
+      if (!m.rgba.empty()) {
+        std::vector<Eigen::Vector4f> rgba(m.rgba.size());
+        for (size_t v = 0; v < rgba.size(); ++v) {
+          for (int k = 0; k < 3; ++k) rgba[v][k] = root_of_light(m.rgba[v][size_t(k)]);
+          rgba[v][3] = float(m.rgba[v][3]) / 255.0f;
+        }
+        tissue_mesh.floats(5, 4, rgba.data(), rgba.size() * sizeof rgba[0]);
+      }
+      if (!m.uv.empty()) tissue_mesh.floats(6, 2, m.uv.data(), m.uv.size() * sizeof m.uv[0]);
+      send_image(m.image);
       all_triangles = false;
       if (layer_map) gl.DeleteTextures(1, &layer_map);
       layer_map = make_texture(gl, layer_texture(m.layers, double(kLayerRange_mm)), true, false, false);
@@ -230,7 +261,10 @@ struct Renderer::Impl {
     const bool field = o.colour_field && (part == Part::skin || part == Part::wall || part == Part::face);
     const bool clear = part == Part::face && o.face == FaceLook::clear;
     const bool lines = o.tension_lines && part == Part::skin && tension != Eigen::Vector2f::Zero();
-    const int key = int(part) * 64 + lines * 32 + o.still * 16 + clear * 8 + o.shadow * 4 + o.fine_skin * 2 + field;
+    const bool coloured = !uploaded->rgba.empty() && (part == Part::face || part == Part::bone) && !field,
+               image = uploaded->image && part == Part::skin && !field;
+    const int key = int(part) * 256 + image * 128 + coloured * 64 + lines * 32 + o.still * 16 + clear * 8 +
+                    o.shadow * 4 + o.fine_skin * 2 + field;
     auto it = programs.find(key);
     if (it == programs.end()) {
       std::string text = "#version 330 core\n";
@@ -241,6 +275,9 @@ struct Renderer::Impl {
       if (part == Part::bone_cut) text += "#define BONE_CUT\n";
       if (part == Part::face) text += "#define PART_FACE\n";
       if (clear) text += "#define CLEAR\n";
+      if (coloured) text += "#define COLOURED\n";
+      if (image) text += "#define IMAGE\n";
+      const std::string head = text;
       text += shaders::lighting;
       if (part == Part::tool)
         text += shaders::prop_fragment;
@@ -252,9 +289,10 @@ struct Renderer::Impl {
                                                        : part == Part::bone || part == Part::bone_cut
                                                            ? shaders::bone_fragment
                                                            : shaders::side_fragment);
-      it =
-          programs.emplace(key, GlProgram(gl, part == Part::tool ? shaders::prop_vertex : shaders::tissue_vertex, text))
-              .first;
+      it = programs
+               .emplace(key,
+                        GlProgram(gl, part == Part::tool ? shaders::prop_vertex : head + shaders::tissue_vertex, text))
+               .first;
     }
     const GlProgram& p = it->second;
     p.use();
@@ -268,6 +306,7 @@ struct Renderer::Impl {
     int unit = 1;
     for (const char* name : {"skin_map", "grid_map", "detail_map", "layer_map", "colour_map", "slope_map"})
       p.set(name, unit++);
+    if (image) p.set("image_map", unit);
     p.set("layer_range", kLayerRange_mm);
     p.set("tension", tension.x(), tension.y());
     p.set("field_min", float(o.field_min));
@@ -317,6 +356,7 @@ struct Renderer::Impl {
       want_all_triangles(*s.mesh);
     else
       triangles = want_triangles_of(s, view.projection * view.to_eye, x1 - x0, y1 - y0);
+    if (image_map) bind(unit, image_map);
     size_t first = 0;
     for (const Part part : kTissueParts) {
       const size_t count = triangles[size_t(part)];

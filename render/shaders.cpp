@@ -53,24 +53,45 @@ vec3 to_screen(vec3 c) {
 }
 )";
 
-const char* const tissue_vertex = R"(#version 330 core
+const char* const tissue_vertex = R"(
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in float field;
 layout(location = 3) in vec4 rest_depth;
 layout(location = 4) in vec3 chart_rim;
+#ifdef COLOURED
+layout(location = 5) in vec4 rgba;  // roots of linear light
+out vec4 v_rgba;
+#endif
+#ifdef IMAGE
+layout(location = 6) in vec2 uv;
+out vec2 v_uv;
+#endif
 uniform mat4 to_clip;
 out vec3 v_world, v_normal, v_rest;
 out vec2 v_chart;
 out float v_depth, v_field, v_rim;
 void main() {
   v_world = position, v_normal = normal, v_rest = rest_depth.xyz;
+#ifdef COLOURED
+  v_rgba = rgba;
+#endif
+#ifdef IMAGE
+  v_uv = uv;
+#endif
   v_chart = chart_rim.xy, v_rim = chart_rim.z, v_depth = rest_depth.w, v_field = field;
   gl_Position = to_clip * vec4(position, 1.0);
 }
 )";
 
 const char* const tissue_common = R"(
+#ifdef COLOURED
+in vec4 v_rgba;
+#endif
+#ifdef IMAGE
+in vec2 v_uv;
+uniform sampler2D image_map;  // roots of the albedo
+#endif
 in vec3 v_world, v_normal, v_rest;
 in vec2 v_chart;
 in float v_depth, v_field, v_rim;
@@ -138,8 +159,13 @@ vec3 wrapped(float nl, vec3 wrap) { return clamp((vec3(nl) + wrap) / (1.0 + wrap
 const char* const skin_fragment = R"(
 void main() {
   vec3 v = normalize(eye - v_world), n = facing(v), l = key_direction;
+#ifdef IMAGE
+  vec2 grid = vec2(0.0);  // a picture is landmark enough
+  vec3 albedo = texture(image_map, vec2(v_uv.x, 1.0 - v_uv.y)).rgb;
+#else
   vec2 grid = texture(grid_map, v_chart * 0.1).rg;
   vec3 albedo = texture(skin_map, v_chart * (1.0 / 64.0)).rgb;
+#endif
   albedo *= albedo;
   vec3 ink = vec3(0.105, 0.07, 0.22);  // gentian violet, as on a marked patient
   albedo = mix(albedo, albedo * vec3(0.56, 0.45, 0.58), 0.44 * grid.r);
@@ -239,6 +265,9 @@ void main() {
   // Ivory, with the stains of old blood and thin places, and small foramina.
   vec3 albedo = mix(vec3(0.79, 0.69, 0.52), vec3(0.89, 0.82, 0.69), smoothstep(0.15, 0.75, m.b));
   albedo *= 0.92 + 0.10 * m.r;
+#ifdef COLOURED
+  albedo = mix(albedo, v_rgba.rgb * v_rgba.rgb, v_rgba.a);
+#endif
   // Where the saw went: a dark line, however close the pieces lie, and blood beside it.
   albedo *= mix(vec3(1.0), vec3(0.93, 0.66, 0.58), exp(-v_rim * 1.2) * step(v_rim, 2.99));
   albedo = mix(albedo, vec3(0.20, 0.05, 0.04), 0.85 * (1.0 - smoothstep(0.16, 0.42, v_rim)));
@@ -278,6 +307,9 @@ void main() {
   w /= w.x + w.y + w.z + 1e-6;
   vec4 m = w.x * texture(detail_map, v_rest.yz / 83.0) + w.y * texture(detail_map, v_rest.xz / 83.0) + w.z * texture(detail_map, v_rest.xy / 83.0);
   vec3 albedo = mix(vec3(0.67, 0.40, 0.30), vec3(0.76, 0.50, 0.395), smoothstep(0.10, 0.85, m.b));
+#ifdef COLOURED
+  albedo = mix(albedo, v_rgba.rgb * v_rgba.rgb * (0.94 + 0.09 * m.b), v_rgba.a);
+#endif
   albedo *= 0.95 + 0.08 * m.r;
   float shade = lit(v_world, n);
 #ifdef CLEAR

@@ -39,6 +39,7 @@ struct Split {
   Part part;
   bool has_normal;
   Vec3f normal;
+  Eigen::Vector2f uv;
   uint32_t index;
 };
 
@@ -103,6 +104,7 @@ TissueMesh make_tissue_mesh(const SurfaceTopology& topology) {
   }
 
   const size_t n = view.tri.size();
+  if (view.uv.size() == n) mesh.image = topology.image;
   std::vector<uint32_t> order;
   order.reserve(n);
   std::vector<std::pair<uint64_t, uint32_t>> room;
@@ -116,6 +118,7 @@ TissueMesh make_tissue_mesh(const SurfaceTopology& topology) {
     if (wanted == Part::wall) mesh.wall_triangles = order.size() - mesh.skin_triangles;
   }
 
+  const bool coloured = topology.rgba.size() == view.X_mm.size();
   std::vector<std::vector<Split>> splits(view.X_mm.size());
   mesh.tri.reserve(n);
   mesh.tri_source.reserve(n);
@@ -130,14 +133,16 @@ TissueMesh make_tissue_mesh(const SurfaceTopology& topology) {
     std::array<uint32_t, 3> corner{};
     for (size_t k = 0; k < 3; ++k) {
       const size_t v = size_t(tri[k]);
+      const Eigen::Vector2f uv = mesh.image ? view.uv[t][k] : Eigen::Vector2f(0, 0);
       Split* found = nullptr;
       for (Split& s : splits[v])
-        if (s.part == part && (!good || !s.has_normal || s.normal.dot(normal) > kCreaseCos)) {
+        if (s.part == part && (!mesh.image || part != Part::skin || s.uv == uv) &&
+            (!good || !s.has_normal || s.normal.dot(normal) > kCreaseCos)) {
           found = &s;
           break;
         }
       if (!found) {
-        splits[v].push_back({part, good, normal, uint32_t(mesh.source.size())});
+        splits[v].push_back({part, good, normal, uv, uint32_t(mesh.source.size())});
         found = &splits[v].back();
         const Vec3& X = view.X_mm[v];
         const Vec2 chart = topology.body ? topology.body->to_chart(X) : Vec2(X.head<2>());
@@ -146,6 +151,8 @@ TissueMesh make_tissue_mesh(const SurfaceTopology& topology) {
         mesh.chart_mm.push_back(chart.cast<float>());
         mesh.depth_mm.push_back(v < depth.size() ? depth[v] : 0.0f);
         mesh.part.push_back(part);
+        if (mesh.image) mesh.uv.push_back(uv);
+        if (coloured) mesh.rgba.push_back(topology.rgba[v]);
       } else if (!found->has_normal && good) {
         found->has_normal = true, found->normal = normal;
       }

@@ -160,6 +160,9 @@ void print_head_scene(const HeadScene& h) {
         "head        synthetic: mandible %.3g, left ramus %.3g, vault %.3g wide and %.3g long, forehead set back %.3g; "
         "edges %.3g and %.3g mm\n",
         h.mandible_scale, h.ramus_left, h.vault_wide, h.vault_long, h.forehead_flat, h.edge_mm, h.face_edge_mm);
+  if (h.source == HeadScene::Source::anatomical)
+    std::printf("head        anatomical, of average measures: edges up to %.3g and %.3g mm\n", h.edge_mm,
+                h.face_edge_mm);
   for (const std::string& f : h.bone_files) std::printf("head        bone %s\n", f.c_str());
   if (!h.face_file.empty()) std::printf("head        face %s\n", h.face_file.c_str());
   if (!h.face) std::printf("head        no face\n");

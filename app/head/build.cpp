@@ -5,6 +5,7 @@
 
 #include "app/head/cache.h"
 #include "sim/base/error.h"
+#include "sim/imaging/anatomical/skin_colour.h"
 #include "sim/imaging/synthetic/synthetic_head.h"
 #include "sim/skull/simplex/file.h"
 
@@ -17,6 +18,7 @@ bool on_face(const std::string& name) { return !name.empty() && name[0] >= 'a' &
 
 void add_synthetic(const HeadScene& h, HeadParts& parts, Workers& workers) {
   HeadSpec spec;
+  spec.anatomical = h.source == HeadScene::Source::anatomical;
   spec.mandible_scale = h.mandible_scale, spec.ramus_left = h.ramus_left;
   spec.vault_wide = h.vault_wide, spec.vault_long = h.vault_long, spec.forehead_flat = h.forehead_flat;
   spec.edge_mm = h.edge_mm, spec.face_edge_mm = h.face_edge_mm;
@@ -47,13 +49,17 @@ HeadParts head_parts(const Scene& scene, Workers& workers) {
   const HeadScene& h = *scene.head;
   HeadParts parts;
   parts.face_iterations = h.iterations_per_step;
-  if (h.source == HeadScene::Source::synthetic) {
+  if (h.source != HeadScene::Source::files) {
     add_synthetic(h, parts, workers);
   } else {
     for (const std::string& f : h.bone_files)
       parts.bones.push_back({std::filesystem::path(f).stem().string(), mesh_of(scene, f), false});
     if (h.face) parts.face = mesh_of(scene, h.face_file);
   }
+  if (h.source == HeadScene::Source::anatomical)
+    parts.colour = [off = h.offset_mm](const Vec3& X, Organ organ) {
+      return organ == Organ::face ? anatomical::colour_on_face(X - off) : anatomical::colour_on_bone(X - off);
+    };
   if (h.offset_mm != Vec3::Zero()) {
     std::vector<simplex::Mesh*> meshes{&parts.face};
     for (auto& b : parts.bones) meshes.push_back(&b.mesh);

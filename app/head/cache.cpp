@@ -18,6 +18,7 @@
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/base/whole_file.h"
+#include "sim/imaging/anatomical/anatomical_head.h"
 #include "sim/skull/simplex/file.h"
 
 namespace limberg {
@@ -43,6 +44,7 @@ std::string name_of(const HeadSpec& s) {
   for (const double v :
        {s.mandible_scale, s.ramus_left, s.vault_wide, s.vault_long, s.forehead_flat, s.edge_mm, s.face_edge_mm})
     h.add(v);
+  if (s.anatomical) h.add(std::string("anatomical"));
   return fmt::format("head-{:016x}", h.value());
 }
 
@@ -147,7 +149,7 @@ HeadModel cached_head(const HeadSpec& spec, Workers& workers) {
 HeadModel cached_head(const HeadSpec& spec, Workers& workers, const std::string& cache_folder) {
   const fs::path cache = cache_folder, folder = cache.empty() ? cache : cache / name_of(spec);
   if (std::optional<HeadModel> kept = read(folder)) return std::move(*kept);
-  HeadModel m = make_head(spec, workers);
+  HeadModel m = spec.anatomical ? make_anatomical_head(spec, workers) : make_head(spec, workers);
   for (int k = 0; k < 3; ++k) part(m, k) = simplex::parse_mesh(simplex::to_text(part(m, k)), kPartNames[k]);
   if (!folder.empty()) keep(folder, m);
   return m;

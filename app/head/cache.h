@@ -16,7 +16,7 @@
 
 namespace limberg {
 
-/// make_head, or what an earlier call of this program with the
+/// make_head or make_anatomical_head, or what an earlier call of this program with the
 /// same proportions has left. Throws InputError as make_head.
 HeadModel cached_head(const HeadSpec& spec, Workers& workers);
 /// The same with the heads in this folder; empty: nowhere.

@@ -15,9 +15,11 @@
 #include "app/scene/scene_layers.h"
 #include "app/scene/scene_loads.h"
 #include "app/scene/toml_table.h"
+#include "render/image.h"
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/base/whole_file.h"
+#include "sim/body/obj_material.h"
 
 namespace limberg {
 namespace {
@@ -53,6 +55,11 @@ void read_body(Table t, Scene& s, const std::string& file) {
     t.text("mesh", mesh, 4000);
     s.obj.path =
         fs::path(mesh).is_absolute() ? mesh : (fs::path(file).parent_path() / mesh).lexically_normal().string();
+    if (t.has("texture")) {
+      t.text("texture", s.texture, 4000);
+      if (!fs::path(s.texture).is_absolute())
+        s.texture = (fs::path(file).parent_path() / s.texture).lexically_normal().string();
+    }
     t.real("scale_to_mm", s.obj.scale_to_mm, 0, 1e6, true);
     t.direction("deep_direction", s.obj.deep_direction);
     t.real("deep_angle_deg", s.obj.deep_angle_deg, 0, 180);
@@ -221,6 +228,35 @@ std::string find_scene(const std::string& name_or_path, const std::vector<std::s
                    "no such scene; expected a scene file" + (list.empty() ? "" : " or one of: " + list));
 }
 
+namespace {
+
+constexpr size_t kMostMaterial = size_t(1) << 20;
+
+/// The picture that is laid on a surface: what the scene says, else a PNG that its material file names and that is there.
+std::string picture_on(const Scene& scene) {
+  if (scene.source != Scene::Source::obj || !scene.texture.empty()) return scene.texture;
+  const std::string materials =
+      materials_of_obj(read_whole_file(scene.obj.path, ObjLimits::file_bytes, "an OBJ surface"));
+  std::error_code ec;
+  const fs::path beside = fs::path(scene.obj.path).parent_path();
+  if (materials.empty() || !fs::is_regular_file(beside / materials, ec)) return {};
+  const std::string name = picture_of_material(
+      read_whole_file((beside / materials).string(), kMostMaterial, "the material file of a surface"));
+  const fs::path picture = beside / name;
+  const std::string ending = picture.extension().string();
+  if (name.empty() || (ending != ".png" && ending != ".PNG") || !fs::is_regular_file(picture, ec)) return {};
+  return picture.lexically_normal().string();
+}
+
+std::shared_ptr<const SkinImage> skin_image(const std::string& file) {
+  Image image = read_png(file);
+  auto out = std::make_shared<SkinImage>();
+  out->width = image.width, out->height = image.height, out->rgb = std::move(image.rgb);
+  return out;
+}
+
+}  // namespace
+
 std::shared_ptr<const Body> build_body(const Scene& scene, SurfaceReport* report) {
   if (scene.source == Scene::Source::obj) {
     auto body = std::make_shared<Body>(load_obj(scene.obj, report));
@@ -248,6 +284,7 @@ constexpr double kAroundLoad_mm = 8;
 WorldSpec world_spec(const Scene& scene, std::shared_ptr<const Body> body) {
   WorldSpec w;
   w.body = std::move(body);
+  if (const std::string file = picture_on(scene); !file.empty()) w.image = skin_image(file);
   w.cell_mm = scene.cell_mm;
   w.suture_k_N_per_mm = scene.suture_N_per_mm;
   w.suture_bite_mm = scene.suture_bite_mm;

@@ -1,10 +1,12 @@
 #pragma once
 // The part of a scene that is a head.
 //
-//   [head]           source = "synthetic" | "files"
+//   [head]           source = "synthetic" | "anatomical" | "files"
 //                    synthetic: mandible_scale, ramus_left, vault_wide,
 //                    vault_long, forehead_flat, edge_mm, face_edge_mm
 //                    (sim/imaging/synthetic/head_shape.h)
+//                    anatomical: edge_mm, face_edge_mm
+//                    (sim/imaging/anatomical/anatomical_head.h)
 //                    files: bones = ["cranium.txt", ...] simplex meshes
 //                    relative to the scene file, the first of them fixed
 //                    unless "fixed" says otherwise; face = "face.txt"; axes = "lps" | "head" of meshes that do not say
@@ -33,7 +35,7 @@ namespace limberg {
 enum class FaceShown : uint8_t { solid, clear, hidden };
 
 struct HeadScene {
-  enum class Source { synthetic, files } source = Source::synthetic;
+  enum class Source { synthetic, anatomical, files } source = Source::synthetic;
   double mandible_scale = 1, ramus_left = 1, vault_wide = 1, vault_long = 1, forehead_flat = 0, edge_mm = 4,
          face_edge_mm = 5;
   std::vector<std::string> bone_files;  // resolved against the scene's folder

@@ -126,6 +126,10 @@ std::optional<HeadScene> read_head(const toml::table& root, const std::string& f
     // Memory grows with their number: finer edges than these would take more than 1.4 GB (docs/limits.md).
     t.real("edge_mm", h.edge_mm, 1.5, 12);
     t.real("face_edge_mm", h.face_edge_mm, 1.5, 12);
+  } else if (source == "anatomical") {
+    h.source = HeadScene::Source::anatomical;
+    t.real("edge_mm", h.edge_mm, 1.5, 12);
+    t.real("face_edge_mm", h.face_edge_mm, 1.5, 12);
   } else if (source == "files") {
     h.source = HeadScene::Source::files;
     h.bone_files = texts(t, table, "bones", "bones = [\"cranium.txt\", ...]");
@@ -145,7 +149,7 @@ std::optional<HeadScene> read_head(const toml::table& root, const std::string& f
     else
       h.face = false;
   } else {
-    t.fail("source", "is of no known kind; expected \"synthetic\" or \"files\"");
+    t.fail("source", "is of no known kind; expected \"synthetic\", \"anatomical\" or \"files\"");
   }
   if (t.has("face") && !table.get("face")->is_string()) t.boolean("face", h.face);
   if (h.source == HeadScene::Source::files && h.face && h.face_file.empty())

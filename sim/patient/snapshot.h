@@ -8,6 +8,7 @@
 
 #include "sim/base/lazy.h"
 #include "sim/body/body.h"
+#include "sim/body/skin_image.h"
 #include "sim/cutting/arrangement/surface_view.h"
 #include "sim/fem/model/fem_model.h"
 #include "sim/patient/ground_index.h"
@@ -26,9 +27,12 @@ struct SurfaceTopology {
   SharedArray<EmbeddedPoint> embedding;  // per view vertex
   Lazy<SharedArray<float>> depth_mm;     // per view vertex: distance below the skin at rest
   std::shared_ptr<const Body> body;
+  std::shared_ptr<const SkinImage> image;  // on the skin, by view.uv; null: there is none
   // Of a scene with a head; empty where there is none. Bone and face are of the kind `free` in the view.
-  SharedArray<Organ> organ;                    // per view triangle; empty: all of it is flesh
-  SharedArray<int32_t> object;                 // per view triangle: of bone, the number of its fragment; else -1
+  SharedArray<Organ> organ;     // per view triangle; empty: all of it is flesh
+  SharedArray<int32_t> object;  // per view triangle: of bone, the number of its fragment; else -1
+  // Per view vertex: its own colour, sRGB, and how much of it is seen; empty: surfaces look as their organ does.
+  std::vector<std::array<uint8_t, 4>> rgba;
   std::vector<std::array<int32_t, 2>> strand;  // edges of the tissue between face and bone, by view vertices
   std::vector<std::string> landmark;           // names; their places are in the snapshot
   GroundIndices indices;                       // index() makes them

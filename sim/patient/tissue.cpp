@@ -160,7 +160,7 @@ void Tissue::return_to(const TissueVersion& version, ParentList parent) {
 Tissue::Drawn Tissue::draw_surface() {
   Drawn d;
   d.surface = std::make_shared<SurfaceTopology>();
-  d.surface->body = body_;
+  d.surface->body = body_, d.surface->image = spec_.image;
   SurfaceView& view = d.surface->view;
   if (version_.surface) {  // most of it is as it was
     view = arrangement_->surface_view(version_.surface->view, version_.lattice->operations, d.change);

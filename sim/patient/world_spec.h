@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/body/body.h"
+#include "sim/body/skin_image.h"
 
 namespace limberg {
 
@@ -34,6 +35,7 @@ struct SkinLoad {
 
 struct WorldSpec {
   std::shared_ptr<const Body> body;
+  std::shared_ptr<const SkinImage> image;  // on its skin, by its texture coordinates; null: there is none
   double cell_mm = 3.5;
   double suture_k_N_per_mm = 20;
   // A stitch holds the skin so far from it, along its wound's edge and behind it (skin_patch.h); 0: one point of the

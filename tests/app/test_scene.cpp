@@ -8,7 +8,9 @@
 #include <random>
 
 #include "app/program/places.h"
+#include "app/program/temporary_folder.h"
 #include "app/scene/scene.h"
+#include "render/image.h"
 #include "sim/base/error.h"
 
 namespace limberg {
@@ -34,6 +36,58 @@ std::string with(const std::string& key, const std::string& line) {
   std::string t = kGood;
   const size_t a = t.find("\n" + key) + 1, b = t.find('\n', a);
   return t.replace(a, b - a, line);
+}
+
+/// A box as an OBJ with texture coordinates, a material and a picture beside it.
+struct PicturedBox {
+  TemporaryFolder folder{"texture"};
+  PicturedBox() {
+    write(
+        "box.obj",
+        "mtllib box.mtl\nv -15 -10 0\nv 15 -10 0\nv 15 10 0\nv -15 10 0\nv -15 -10 9\nv 15 -10 9\nv 15 10 9\nv -15 10 "
+        "9\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl m\nf 5/1 6/2 7/3 8/4\nf 1 4 3 2\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 "
+        "7\nf 4 1 5 8\n");
+    write("box.mtl", "newmtl m\nmap_Kd -clamp on box.png\n");
+    Image image(2, 2);
+    image.set(0, 0, {200, 10, 20});
+    write("box.png", encode_png(image));
+    write("own.png", encode_png(Image(3, 1, {9, 9, 9})));
+  }
+  void write(const std::string& name, const std::string& bytes) const {
+    std::ofstream(folder.path() / name, std::ios::binary) << bytes;
+  }
+  WorldSpec spec(const std::string& key = "") const {
+    const std::string text =
+        "name = \"t\"\n[body]\nsource = \"obj\"\nmesh = \"box.obj\"\n" + key + kGood.substr(kGood.find("[[layer]]"));
+    const Scene scene = parse_scene(text, (folder.path() / "scene.toml").string());
+    return world_spec(scene, build_body(scene));
+  }
+};
+
+TEST(SceneTexture, IsWhatTheSceneSaysOrTheMaterialNames) {
+  const PicturedBox box;
+  const WorldSpec by_material = box.spec();
+  ASSERT_TRUE(by_material.image);
+  EXPECT_EQ(by_material.image->width, 2);
+  EXPECT_EQ(by_material.image->rgb[0], 200) << "the upper left";
+  EXPECT_EQ(box.spec("texture = \"own.png\"\n").image->width, 3);
+  box.write("box.mtl", "newmtl m\nmap_Kd gone.png\n");
+  EXPECT_FALSE(box.spec().image) << "a material may name what was not handed on";
+  box.write("box.mtl", "newmtl m\nmap_Kd box.jpg\n");
+  EXPECT_FALSE(box.spec().image);
+}
+
+TEST(SceneTexture, BadPicturesAreRefusedWithTheirName) {
+  const PicturedBox box;
+  box.write("own.png", "no picture");
+  for (const std::string name : {"own.png", "missing.png"}) try {
+      box.spec("texture = \"" + name + "\"\n");
+      ADD_FAILURE() << name;
+    } catch (const InputError& e) {
+      EXPECT_NE(std::string(e.what()).find(name), std::string::npos) << e.what();
+    }
+  box.write("box.png", "no picture");
+  EXPECT_THROW(box.spec(), InputError);
 }
 
 TEST(Scene, ShippedBlocksLoad) {
@@ -278,8 +332,9 @@ TEST(Scene, FilesThatAreNoScenes) {
     find_scene("rhombus", {kScenes});
     ADD_FAILURE();
   } catch (const InputError& e) {
-    EXPECT_NE(std::string(e.what()).find("craniofacial, face, prognathic, retrognathic, rhomboid, scalp, zplasty"),
-              std::string::npos)
+    EXPECT_NE(
+        std::string(e.what()).find("craniofacial, face, head, prognathic, retrognathic, rhomboid, scalp, zplasty"),
+        std::string::npos)
         << e.what();
   }
 }

@@ -10,6 +10,7 @@
 #include "app/program/temporary_folder.h"
 #include "render/image.h"
 #include "sim/body/obj.h"
+#include "sim/body/obj_material.h"
 #include "tests/bench/fuzz/readers.h"
 #include "tests/bench/fuzz/sound_files.h"
 #include "tests/fuzz/entry_parts.h"
@@ -77,6 +78,17 @@ Entry body_entry() {
                     });
 }
 
+Entry material_entry() {
+  return text_entry("material", {"sim/body/obj_material.cpp"},
+                    {"newmtl a\nKd 1 1 1\nmap_Kd -s 1 1 1 face.png\n", "mtllib a b.mtl\nv 0 0 0\n"},
+                    [](const std::string& text) -> std::string {
+                      for (const std::string& name : {picture_of_material(text), materials_of_obj(text)})
+                        if (name.find('\n') != std::string::npos || name.size() > text.size())
+                          return "a name that no line holds";
+                      return "";
+                    });
+}
+
 /// With the checksums that a hostile writer would give its chunks.
 std::string with_checksums(std::string_view bytes) {
   std::string png(bytes);
@@ -114,6 +126,7 @@ std::vector<Entry> file_entries(const Folder& folder) {
   std::vector<Entry> all;
   for (const bench::Reader& r : bench::readers()) all.push_back(reader_entry(r, folder));
   all.push_back(body_entry());
+  all.push_back(material_entry());
   all.push_back(png_entry());
   return all;
 }

@@ -8,6 +8,7 @@
 #include "render/overlay.h"
 #include "render/picture.h"
 #include "render/renderer.h"
+#include "tests/render/sample_head.h"
 #include "tests/render/sample_snapshot.h"
 
 namespace limberg {
@@ -79,6 +80,79 @@ TEST_F(Rendered, EveryContextGivesTheSameBytes) {
     const Image a = draw(s), b = other.draw(builder.build(s), view(), options);
     EXPECT_EQ(a, b) << renderer->describe() << " and " << other.describe();
   }
+}
+
+/// The slab of the sample with a picture of four quarters over all of it: red, green (above), blue, white (below).
+Snapshot pictured() {
+  Snapshot s = sample_snapshot({.wound = false, .sutures = 0, .hooks = 0});
+  auto top = std::make_shared<SurfaceTopology>(*s.topology);
+  top->version += 1;
+  std::vector<std::array<Eigen::Vector2f, 3>> uv;
+  for (size_t t = 0; t < top->view.tri.size(); ++t) {
+    std::array<Eigen::Vector2f, 3> corner;
+    for (size_t k = 0; k < 3; ++k) {
+      const Vec3& X = std::as_const(top->view.X_mm)[size_t(std::as_const(top->view.tri)[t][k])];
+      corner[k] = Eigen::Vector2f(float(X.x() / 60 + 0.5), float(X.y() / 60 + 0.5));
+    }
+    uv.push_back(corner);
+  }
+  top->view.uv = uv;
+  auto image = std::make_shared<SkinImage>();
+  image->width = image->height = 64;
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) {
+      const bool right = x >= 32, below = y >= 32;
+      for (const int c : {!below  ? (right ? 40 : 220)
+                          : right ? 220
+                                  : 40,
+                          !below  ? (right ? 220 : 40)
+                          : right ? 220
+                                  : 40,
+                          below ? 220 : 40})
+        image->rgb.push_back(uint8_t(c));
+    }
+  top->image = image;
+  s.topology = top;
+  return s;
+}
+
+TEST_F(Rendered, ThePictureOfASkinLiesWhereItsCoordinatesSay) {
+  const Snapshot s = pictured();
+  const Image im = draw(s);
+  const auto at = [&](float x, float y) {
+    const Vec3f p = view().to_pixel(Vec3f(x, y, 0), options.width, options.height);
+    return im.at(int(p.x()), int(p.y()));
+  };
+  const Rgb8 red = at(-8, 6), green = at(8, 6), blue = at(-8, -6), white = at(8, -6);
+  EXPECT_GT(red.r, 1.5 * std::max(red.g, red.b));
+  EXPECT_GT(green.g, 1.5 * std::max(green.r, green.b));
+  EXPECT_GT(blue.b, 1.5 * std::max(blue.r, blue.g));
+  EXPECT_GT(std::min({white.r, white.g, white.b}), 150);
+  // Without it, skin again.
+  Snapshot bare = s;
+  auto top = std::make_shared<SurfaceTopology>(*s.topology);
+  top->version += 1, top->image = nullptr;
+  bare.topology = top;
+  const Image skin = draw(bare);
+  const Vec3f p = view().to_pixel(Vec3f(-8, -6, 0), options.width, options.height);
+  EXPECT_GT(skin.at(int(p.x()), int(p.y())).r, skin.at(int(p.x()), int(p.y())).b);
+}
+
+TEST_F(Rendered, AFaceHasItsOwnColours) {
+  Snapshot s = testing::sample_head();
+  auto top = std::make_shared<SurfaceTopology>(*s.topology);
+  top->version += 1;
+  top->rgba.assign(top->view.X_mm.size(), {30, 60, 230, 255});
+  s.topology = top;
+  camera = look_at_ball(Vec3f::Zero(), 90, Vec3f(0, -1, 0), Vec3f::UnitZ(), 25, 320.0 / 240);
+  const Image im = draw(s);
+  const IdImage id = ids(s);
+  int seen = 0, blue = 0;
+  for (int y = 0; y < im.height; ++y)
+    for (int x = 0; x < im.width; ++x)
+      if ((id.at(x, y) >> 24) == uint32_t(Part::face)) ++seen, blue += im.at(x, y).b > 1.2 * im.at(x, y).r;
+  EXPECT_GT(seen, 500);
+  EXPECT_GT(blue, 0.9 * seen);
 }
 
 TEST_F(Rendered, PickedPixelHasTheTriangleThatLiesThere) {

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_map>
 
 #include "sim/base/error.h"
 #include "sim/base/union_find.h"
+#include "sim/imaging/fit/graded_grid.h"
+#include "sim/imaging/fit/march_tet.h"
 #include "sim/skull/simplex/adapt.h"
 #include "sim/skull/simplex/dual.h"
 #include "sim/skull/simplex/motion.h"
@@ -44,50 +45,6 @@ Grid make_grid(const LevelSet& s, double step) {
 /// The six tetrahedra about the diagonal 0 - 7 of a cube; corner bits: 1 = +x, 2 = +y, 4 = +z. All of positive volume.
 constexpr int kTet[6][4] = {{0, 1, 3, 7}, {0, 3, 2, 7}, {0, 2, 6, 7}, {0, 6, 4, 7}, {0, 4, 5, 7}, {0, 5, 1, 7}};
 
-struct Patch {                              // of one block
-  std::vector<std::array<int64_t, 6>> tri;  // three edges, each by its two nodes, lower first
-};
-
-void march_tet(const std::array<int64_t, 4>& node, const std::array<double, 4>& f, Patch& out) {
-  std::array<int, 4> in{}, ex{};
-  int a = 0, b = 0;
-  for (int c = 0; c < 4; ++c) (f[size_t(c)] < 0 ? in[size_t(a++)] : ex[size_t(b++)]) = c;
-  if (a == 0 || b == 0) return;
-  const auto edge = [&](int i, int o) {
-    const int64_t u = node[size_t(i)], v = node[size_t(o)];
-    return std::array<int64_t, 2>{std::min(u, v), std::max(u, v)};
-  };
-  const auto add = [&](const std::array<int64_t, 2>& p, const std::array<int64_t, 2>& q,
-                       const std::array<int64_t, 2>& r, bool turn) {
-    if (turn)
-      out.tri.push_back({p[0], p[1], r[0], r[1], q[0], q[1]});
-    else
-      out.tri.push_back({p[0], p[1], q[0], q[1], r[0], r[1]});
-  };
-  // Parity of (in..., ex...) as an order of the corners says which way round the outside is.
-  std::array<int, 4> order{};
-  for (int i = 0; i < a; ++i) order[size_t(i)] = in[size_t(i)];
-  for (int i = 0; i < b; ++i) order[size_t(a + i)] = ex[size_t(i)];
-  bool odd = false;
-  for (size_t i = 0; i < 4; ++i)
-    for (size_t j = i + 1; j < 4; ++j) odd ^= order[i] > order[j];
-  // In a tetrahedron of positive volume the corners 1, 2, 3 turn clockwise as seen from corner 0.
-  if (a == 1)
-    add(edge(in[0], ex[0]), edge(in[0], ex[1]), edge(in[0], ex[2]), odd);
-  else if (b == 1)
-    add(edge(in[0], ex[0]), edge(in[1], ex[0]), edge(in[2], ex[0]), odd);
-  else {
-    add(edge(in[0], ex[0]), edge(in[0], ex[1]), edge(in[1], ex[1]), odd);
-    add(edge(in[0], ex[0]), edge(in[1], ex[1]), edge(in[1], ex[0]), odd);
-  }
-}
-
-struct EdgeHash {
-  size_t operator()(const std::array<int64_t, 2>& e) const {
-    return size_t(e[0]) * 0x9e3779b97f4a7c15ull ^ (size_t(e[1]) * 0xc2b2ae3d27d4eb4full >> 7);
-  }
-};
-
 /// Only the triangles of the largest component; returns how many others there were.
 int keep_largest(std::vector<Tri>& tri, size_t vertices) {
   UnionFind joined(vertices);
@@ -109,13 +66,18 @@ class Mesher {
   Mesh run(LevelSetReport& r) {
     std::vector<Vec3> X;
     std::vector<Tri> tri;
-    march(s_, set_.grid_mm, workers_, X, tri, &r.evaluations);
+    if (set_.edge_at)
+      march_graded(
+          s_, [&](const Vec3& p) { return std::min(set_.grid_of_edge * set_.edge_at(p), set_.grid_mm); }, workers_, X,
+          tri, &r.evaluations);
+    else
+      march(s_, set_.grid_mm, workers_, X, tri, &r.evaluations);
     r.triangles = int64_t(tri.size());
     if (tri.empty()) throw InputError("", 0, "there is no surface in the box");
     r.dropped = keep_largest(tri, X.size());
     Mesh m = from_triangles(X, tri, DualPlacement::centroid);
     AdaptSettings a;
-    a.edge_mm = set_.edge_mm, a.passes = 1, a.most_per_pass = 0.5;
+    a.edge_mm = set_.edge_mm, a.edge_at = set_.edge_at, a.passes = 1, a.most_per_pass = 0.5;
     int32_t before = 0;
     for (int pass = 0; pass < set_.passes; ++pass) {
       before = m.vertices();
@@ -325,23 +287,9 @@ void march(const LevelSet& s, double step, Workers& workers, std::vector<Vec3>& 
           }
     }
   });
-  X.clear(), tri.clear();
-  std::unordered_map<std::array<int64_t, 2>, int32_t, EdgeHash> number;  // only looked up; numbers go by first use
-  const auto place = [&](int64_t v) { return g.place(v % g.n[0], v / g.n[0] % g.n[1], v / (g.n[0] * g.n[1])); };
-  const auto vertex = [&](int64_t u, int64_t v) {
-    const auto [it, fresh] = number.try_emplace({u, v}, int32_t(X.size()));
-    if (fresh) {
-      const Vec3 a = place(u), b = place(v);
-      const double fa = s.distance_mm(a), fb = s.distance_mm(b);
-      X.push_back(a + std::clamp(fa / (fa - fb), 0.02, 0.98) * (b - a));
-    }
-    return it->second;
-  };
-  for (const Patch& p : patch)
-    for (const auto& t : p.tri) {
-      const int32_t a = vertex(t[0], t[1]), b = vertex(t[2], t[3]), c = vertex(t[4], t[5]);
-      tri.push_back({a, b, c});
-    }
+  number_vertices(
+      patch, [&](int64_t v) { return g.place(v % g.n[0], v / g.n[0] % g.n[1], v / (g.n[0] * g.n[1])); },
+      [&](int64_t, const Vec3& x) { return s.distance_mm(x); }, X, tri);
   if (evaluations) {
     *evaluations = 0;
     for (int64_t n : asked) *evaluations += n;

@@ -25,6 +25,10 @@ struct LevelSetSettings {
   double edge_mm = 3.5;  // wanted edges
   int smoothing = 4;     // iterations after each pass of adaptation
   int passes = 12;       // of adaptation, at most
+  /// The wanted edge by place, at most edge_mm; may be empty. The grid is then graded (graded_grid.h): grid_of_edge
+  /// times the edge, at most grid_mm.
+  std::function<double(const Vec3&)> edge_at;
+  double grid_of_edge = 0.8;
 };
 
 struct LevelSetReport {

@@ -11,12 +11,12 @@ using Surface = LandmarkRule::Surface;
 
 constexpr double kPast_mm = 25;  // how far beyond the stated place a ray goes on
 
-double distance(const HeadShape& h, Surface s, const Vec3& p) {
+double distance(const LandmarkGround& h, Surface s, const Vec3& p) {
   return s == Surface::skull ? h.skull(p) : s == Surface::mandible ? h.mandible(p) : h.skin(p);
 }
 
 /// The first place of the surface along a ray; nothing when it begins inside or meets none.
-std::optional<Vec3> meet(const HeadShape& h, Surface s, const Vec3& from, const Vec3& look, double length) {
+std::optional<Vec3> meet(const LandmarkGround& h, Surface s, const Vec3& from, const Vec3& look, double length) {
   double before = 0;
   for (double t = 0; t < length;) {
     const double d = distance(h, s, from + t * look);
@@ -30,15 +30,15 @@ std::optional<Vec3> meet(const HeadShape& h, Surface s, const Vec3& from, const 
       return from + hi * look;
     }
     before = t;
-    t += std::max(d / HeadShape::kLipschitz, 1e-4);
+    t += std::max(d / h.lipschitz, 1e-4);
   }
   return std::nullopt;
 }
 
-std::optional<Vec3> find(const HeadShape& h, const LandmarkRule& r, double side) {
+std::optional<Vec3> find(const LandmarkGround& h, const LandmarkRule& r, double side) {
   const auto mirrored = [&](Vec3 v) { return Vec3(side * v.x(), v.y(), v.z()); };
   Vec3 place = mirrored(r.place);
-  if (r.carried) place = h.mandible_place(place);
+  if (r.carried && h.place) place = h.place(place);
   const Vec3 look = mirrored(r.look).normalized(), score = mirrored(r.score);
   const Vec3 helper = std::abs(look.x()) > 0.9 ? Vec3::UnitY() : Vec3::UnitX();
   const Vec3 u = (helper - helper.dot(look) * look).normalized(), v = look.cross(u);
@@ -110,16 +110,25 @@ const std::vector<LandmarkRule>& landmark_rules() {
   return rules;
 }
 
-std::vector<std::pair<std::string, Vec3>> head_landmarks(const HeadShape& h) {
+std::vector<std::pair<std::string, Vec3>> landmarks_by(const std::vector<LandmarkRule>& rules,
+                                                       const LandmarkGround& ground) {
   std::vector<std::pair<std::string, Vec3>> out;
-  out.emplace_back("S", Vec3(0, 20, 15));
-  for (const LandmarkRule& r : landmark_rules()) {
+  for (const LandmarkRule& r : rules) {
     for (double side : {1., -1.}) {
       if (!r.pair && side < 0) continue;
-      if (const auto p = find(h, r, side))
+      if (const auto p = find(ground, r, side))
         out.emplace_back(r.pair ? std::string(r.name) + (side > 0 ? "_R" : "_L") : r.name, *p);
     }
   }
+  return out;
+}
+
+std::vector<std::pair<std::string, Vec3>> head_landmarks(const HeadShape& h) {
+  std::vector<std::pair<std::string, Vec3>> out = landmarks_by(
+      landmark_rules(), {[&](const Vec3& p) { return h.skull(p); }, [&](const Vec3& p) { return h.mandible(p); },
+                         [&](const Vec3& p) { return h.skin(p); }, HeadShape::kLipschitz,
+                         [&](const Vec3& p) { return h.mandible_place(p); }});
+  out.insert(out.begin(), {"S", Vec3(0, 20, 15)});
   return out;
 }
 

@@ -35,6 +35,7 @@ struct HeadSpec {
   double vault_wide = 1, vault_long = 1;
   double forehead_flat = 0;              // 0..1: forehead set back, by 12 mm at 1
   double edge_mm = 4, face_edge_mm = 5;  // wanted edges of the meshes
+  bool anatomical = false;               // the anatomical head (anatomical_head.h): of the above, edges only
 };
 
 namespace shape {

@@ -7,6 +7,7 @@
 //
 // The frame is that of head_shape.h: x right, y forwards, z up, right-handed. A Volume's places are
 // left, posterior, superior: the place p of the head is (-x, -y, z) there, half a turn about z.
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -41,6 +42,16 @@ struct LandmarkRule {
   bool carried = false;  // moves with the mandible (HeadShape::mandible_place)
 };
 const std::vector<LandmarkRule>& landmark_rules();
+
+/// Where rules are applied: distances that grow by no more than `lipschitz` a mm. `place`: where a rule that is carried
+/// with the mandible looks; may be empty.
+struct LandmarkGround {
+  std::function<double(const Vec3&)> skull, mandible, skin;
+  double lipschitz = 1;
+  std::function<Vec3(const Vec3&)> place;
+};
+std::vector<std::pair<std::string, Vec3>> landmarks_by(const std::vector<LandmarkRule>& rules,
+                                                       const LandmarkGround& ground);
 
 /// Landmarks of the shape, by the names of measure/cephalometry.h: on bone N, S, A, B, ANS, PNS, Pog, Gn, Me, Ba, Op,
 /// Is, Ii, G, Rhi, V, and of pairs (_L, _R) Or, Po, Zy, Go, Co, Eu; on the skin g', n', prn, sn, ls, sto, li, sl, pog',

@@ -51,7 +51,8 @@ Head::Head(HeadParts parts, Workers& workers)
       bones_(std::move(parts.bones), workers),
       face_(std::move(parts.face), workers),
       face_iterations_(parts.face_iterations),
-      state_{std::move(parts.landmarks), {}} {
+      state_{std::move(parts.landmarks), {}},
+      colour_(std::move(parts.colour)) {
   has_face_ = face_.face().vertices() > 0;
   for (HeadLandmark& l : state_.landmarks) {
     if (l.on_face && !has_face_)
@@ -485,7 +486,7 @@ void Head::topology_changed() {
   for (const HeadLandmark& l : state_.landmarks) names.push_back(l.name);
   simplex::Mesh face = face_.face();
   face.x_mm = face_.rest_mm();
-  view_.build(face, bones_, face_.tissues(), names);
+  view_.build(face, bones_, face_.tissues(), names, colour_);
 }
 
 void Head::fill(Snapshot& s) const {

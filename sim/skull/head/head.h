@@ -42,6 +42,7 @@ struct HeadParts {
   std::vector<bone::NamedMesh> bones;
   simplex::Mesh face;                   // no vertices: there is none
   std::vector<HeadLandmark> landmarks;  // name, X_mm, on_face
+  SurfaceColour colour;                 // may be empty
   std::vector<ConnectTissue> tissues;   // connected in this order; one that cannot be is an InputError
   int face_iterations = 12;             // of one step
 };
@@ -180,6 +181,7 @@ class Head {
   uint64_t moment_version_ = 0;  // of the bones, in the last of them
   SkullBeside beside_ = SkullBeside::off;
   HeadView view_;
+  SurfaceColour colour_;
   struct Grabbed {
     int32_t fragment = -1;  // none
     Eigen::Isometry3d at = Eigen::Isometry3d::Identity();

@@ -32,7 +32,8 @@ void add_fans(SurfaceTopology& top, const simplex::Mesh& mesh, std::vector<int32
 }  // namespace
 
 void HeadView::build(const simplex::Mesh& face, const bone::Bones& bones,
-                     const std::vector<const simplex::Tissue*>& tissue, const std::vector<std::string>& landmarks) {
+                     const std::vector<const simplex::Tissue*>& tissue, const std::vector<std::string>& landmarks,
+                     const SurfaceColour& colour) {
   auto top = std::make_shared<SurfaceTopology>();
   top->version = ++version_;
   add_fans(*top, face, face_middle_, [](int32_t) { return std::pair(Organ::face, int32_t(-1)); });
@@ -58,6 +59,14 @@ void HeadView::build(const simplex::Mesh& face, const bone::Bones& bones,
     if (mesh.alive(v)) fragment_[size_t(v)] = place(bones.fragment_of(v));
   for (size_t i = 0; i < bone_middle_.size(); ++i)
     fragment_[bone_slots_ + i] = fragment_[size_t(mesh.face_edge[size_t(bone_middle_[i])] / 3)];
+  if (colour) {
+    top->rgba.resize(made.view.X_mm.size());
+    for (size_t v = 0; v < top->rgba.size(); ++v) {
+      const bool cut = v >= face_vertices_ + bone_slots_ &&
+                       mesh.kind(bone_middle_[v - face_vertices_ - bone_slots_]) == simplex::FaceKind::wall;
+      top->rgba[v] = colour(made.view.X_mm[v], v < face_vertices_ ? Organ::face : cut ? Organ::bone_cut : Organ::bone);
+    }
+  }
   tissue_vertices_ = 0;
   for (const simplex::Tissue* t : tissue) {
     const auto base = int32_t(top->view.X_mm.size());
@@ -68,6 +77,7 @@ void HeadView::build(const simplex::Mesh& face, const bone::Bones& bones,
     }
     tissue_vertices_ += size_t(t->vertices());
   }
+  if (colour) top->rgba.resize(top->view.X_mm.size());  // tissue is strands, and shows none
   top->landmark = landmarks;
   Hash64 h;
   h.add(simplex::topology_hash(face)), h.add(simplex::topology_hash(mesh));

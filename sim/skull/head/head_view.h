@@ -4,7 +4,9 @@
 //
 // Vertices in this order: of the face (slot by slot), the middles of its faces, of the bones, the middles of their
 // faces, of the tissue. What only changes with the topology is worked out in build(); places() costs one pass.
+#include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -15,11 +17,15 @@
 
 namespace limberg {
 
+/// Colour of a place at rest on face or bone: sRGB, and how much of it is seen.
+using SurfaceColour = std::function<std::array<uint8_t, 4>(const Vec3& X_mm, Organ organ)>;
+
 class HeadView {
  public:
   /// `face` as it was at first. Makes a new version of the topology.
   void build(const simplex::Mesh& face_at_rest, const bone::Bones& bones,
-             const std::vector<const simplex::Tissue*>& tissue, const std::vector<std::string>& landmarks);
+             const std::vector<const simplex::Tissue*>& tissue, const std::vector<std::string>& landmarks,
+             const SurfaceColour& colour = {});
   std::shared_ptr<const SurfaceTopology> topology() const { return topology_; }
 
   /// Where every vertex is now.

@@ -90,9 +90,8 @@ class Adapter {
       const double root = std::sqrt(std::max(0., tr * tr / 4 - det)), small = tr / 2 - root;
       out.elongation = small > 0 ? std::sqrt((tr / 2 + root) / small) : 1e9;
     }
-    double h = s_.edge_mm;
-    if (s_.chord_mm > 0 && H > 0)
-      h = std::clamp(std::sqrt(8 * s_.chord_mm / H), std::min(least_, s_.edge_mm), s_.edge_mm);
+    double h = s_.edge_at ? std::min(s_.edge_at(c), s_.edge_mm) : s_.edge_mm;
+    if (s_.chord_mm > 0 && H > 0) h = std::clamp(std::sqrt(8 * s_.chord_mm / H), std::min(least_, h), h);
     out.wanted = 1.5 * std::sqrt(3.) * h * h;
     return out;
   }

@@ -9,6 +9,7 @@
 // Locked vertices, kept contours and rims
 // stay as the operators leave them.
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "sim/skull/simplex/edit.h"
@@ -17,11 +18,12 @@
 namespace limberg::simplex {
 
 struct AdaptSettings {
-  double edge_mm = 2;           // wanted (largest) edge
-  double chord_mm = 0;          // > 0: allowed distance of an edge from the curved surface
-  double min_edge_mm = 0;       // with chord_mm: smallest wanted edge; 0: edge_mm / 8
-  int passes = 6;               // at most; stops when a pass changes nothing
-  double most_per_pass = 0.25;  // splits and merges in one pass, of the number of faces
+  double edge_mm = 2;                          // wanted (largest) edge
+  std::function<double(const Vec3&)> edge_at;  // the wanted edge by place, at most edge_mm; may be empty
+  double chord_mm = 0;                         // > 0: allowed distance of an edge from the curved surface
+  double min_edge_mm = 0;                      // with chord_mm: smallest wanted edge; 0: edge_mm / 8
+  int passes = 6;                              // at most; stops when a pass changes nothing
+  double most_per_pass = 0.25;                 // splits and merges in one pass, of the number of faces
   int32_t max_vertices = 2'000'000;
   uint64_t seed = 1;  // order in which faces are looked at
 };

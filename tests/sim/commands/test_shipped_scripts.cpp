@@ -175,6 +175,8 @@ TEST(ShippedScripts, AreReadAndWrittenByteForByte) {
     const std::string text((std::istreambuf_iterator<char>(in)), {});
     EXPECT_EQ(text, to_text(shipped_script(name))) << name;  // as `limberg procedure` writes it
   }
+  for (const std::string name : {"head-le-fort-1", "head-genioplasty"})
+    EXPECT_EQ(shipped_script(name).header.scene, "head");
 }
 
 }  // namespace test_shipped_scripts

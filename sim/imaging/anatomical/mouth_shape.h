@@ -1,0 +1,26 @@
+#pragma once
+// The lips upon a face: philtrum, vermilion of both lips, the line between them, commissures. Right half.
+#include "sim/imaging/anatomical/fields.h"
+
+namespace limberg::anatomical {
+
+class Mouth {
+ public:
+  double upon(double face, const Vec3& q) const {
+    if (!near_.holds(q)) return face;
+    double d = join(face, column_, q, 4);
+    d = carve(d, philtrum_, q, 4);
+    return smin(d, join(upper_(q), lower_, q, 0.5), 3.6);
+  }
+
+ private:
+  Ball near_{{0, 98, -54}, 46};
+  Tube upper_{{-5.2, 105.6, -51.1, 4.6}, {0, 105.6, -51.9, 4.5}, {5.2, 105.6, -51.1, 4.6},
+              {12, 102.7, -51.5, 4.1},   {19, 97.6, -53.2, 3.0}, {26.8, 91.4, -55.6, 1.2}};
+  Tube lower_{{-6, 102.8, -60.8, 4.9}, {0, 103.0, -60.7, 5.0}, {6, 102.8, -60.8, 4.9},
+              {13, 99.6, -59.7, 4.2},  {20, 95.2, -58.2, 3.0}, {26.8, 91.2, -56.4, 1.2}};
+  Tube column_{{3.6, 102.8, -36, 2.2}, {5.4, 105.2, -45.5, 2.6}};
+  Tube philtrum_{{0, 108.3, -39, 3.0}, {0, 110.0, -46, 3.6}};
+};
+
+}  // namespace limberg::anatomical

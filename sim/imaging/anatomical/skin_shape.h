@@ -1,0 +1,24 @@
+#pragma once
+// The skin of the anatomical head as a signed distance, with globes, lids, nose, lips and ears.
+#include <memory>
+
+#include "sim/imaging/anatomical/fields.h"
+
+namespace limberg::anatomical {
+
+class SkinShape {
+ public:
+  SkinShape();
+  ~SkinShape();
+  /// mm, below 0 inside; grows by no more than kLipschitz a mm.
+  double operator()(const Vec3& p) const;
+  /// The braincase's skin alone: as above, without face, nape and neck.
+  double cranium(const Vec3& p) const;
+  static constexpr double kLipschitz = 1.9;
+
+ private:
+  struct Parts;
+  std::unique_ptr<const Parts> parts_;
+};
+
+}  // namespace limberg::anatomical
