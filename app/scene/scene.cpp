@@ -232,7 +232,7 @@ namespace {
 
 constexpr size_t kMostMaterial = size_t(1) << 20;
 
-/// The picture that is laid on a surface: what the scene says, else a PNG that its material file names and that is there.
+/// The picture laid on a surface: what the scene says, else a PNG that its material file names and that is there.
 std::string picture_on(const Scene& scene) {
   if (scene.source != Scene::Source::obj || !scene.texture.empty()) return scene.texture;
   const std::string materials =

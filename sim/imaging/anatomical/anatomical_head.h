@@ -1,10 +1,10 @@
 #pragma once
 // A head to teach on, made from published measures: meshes, landmarks, colours.
 //
-//   HeadModel head = make_anatomical_head({}, workers);      // 15 to 30 s; a scene keeps it (app/head/cache.h)
+//   HeadModel head = make_anatomical_head({}, workers);      // half a minute; a scene keeps it (app/head/cache.h)
 //
-// The frame is that of the synthetic head: x right, y forwards, z up, origin between the porions, Frankfort's horizontal
-// flat. It is a man of average measures (norms.h has them with their sources), left and right alike.
+// The frame is that of the synthetic head: x right, y forwards, z up, origin between the porions, Frankfort's
+// horizontal flat. It is a man of average measures (norms.h has them with their sources), left and right alike.
 //
 //   skin       skin_shape.h: sections of a head that a smooth body is pulled onto, and on it eyes, nose, lips, ears
 //   bone       bone_shape.h: a braincase beneath that skin with an inner table, a face of its own, sinuses that open

@@ -11,7 +11,7 @@ class Ear {
   double upon(double head, const Vec3& q) const {
     if (!near_.holds(q)) return head;
     const Vec3 e = axes_.transpose() * (q - origin_);
-    double plate = std::hypot(std::max(ellipse(e), 0.), std::max(std::abs(e.z() - sheet(e)) - 1.0, 0.)) +
+    double plate = Vec2(std::max(ellipse(e), 0.), std::max(std::abs(e.z() - sheet(e)) - 1.0, 0.)).norm() +
                    std::min(std::max(ellipse(e), std::abs(e.z() - sheet(e)) - 1.0), 0.) - 1.0;
     plate = smin(plate, back_(e), 5);
     plate = smax(plate, -concha_(e), 3);

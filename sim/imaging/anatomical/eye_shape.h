@@ -18,7 +18,7 @@ class Eye {
       low = -low + 2 * line;
       return;
     }
-    const double s = std::pow(t, 0.72), up = 4 * s * (1 - s), down = 4 * t * (1 - t);
+    const double s = elementary::pow(t, 0.72), up = 4 * s * (1 - s), down = 4 * t * (1 - t);
     high = line + 6.0 * up * (0.8 + 0.2 * up), low = line - 4.4 * down * (0.8 + 0.2 * down);
   }
 

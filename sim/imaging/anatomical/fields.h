@@ -8,6 +8,7 @@
 #include <initializer_list>
 #include <vector>
 
+#include "sim/base/elementary.h"
 #include "sim/imaging/synthetic/head_shape.h"
 
 namespace limberg::anatomical {

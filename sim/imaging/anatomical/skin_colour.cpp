@@ -45,7 +45,7 @@ double along(const double (&x)[N], const double (&y)[N], double at) {
 
 /// How much of the scalp's hair is there: 0 to 1.
 double hair(const Vec3& q) {
-  // The hairline's height over how far forwards a place lies: nape, behind the ear, over it, sideburn, temple, forehead.
+  // Height of the hairline by how far forwards a place lies: nape, behind and over the ear, sideburn, temple, forehead.
   static const double y[] = {-95, -62, -42, -26, -16, -4, 4, 20, 26, 40, 52, 62, 74, 88},
                       z[] = {-52, -52, -44, -18, -2, 8, 1, 0, 26, 46, 58, 72, 80, 80};
   static const Ear ear;
@@ -106,7 +106,7 @@ Vec3 skin_colour(const Vec3& p) {
     const double into = std::min(high - q.z(), q.z() - low);
     const bool globe = into > 0.15 && off.norm() < 14.2 && q.x() > Eye::kEn_mm && q.x() < Eye::kEx_mm;
     if (globe) {
-      const double r = std::hypot(off.x(), off.z() + 0.2);
+      const double r = Vec2(off.x(), off.z() + 0.2).norm();
       const double white = 1 - 0.30 * ramp(8, 15, std::abs(off.x())) - 0.25 * ramp(1.6, 0, high - q.z());
       Vec3 eye = mix(kPink, kWhite, ramp(17.5, 22, q.x()) * ramp(46, 43, q.x())) * white;
       const double spokes = 0.8 + 0.45 * noise({9 * off.x() / std::max(r, 0.5), 9 * off.z() / std::max(r, 0.5), r});

@@ -52,7 +52,7 @@ double base(const Vec3& q) {
   double d = smin(smin(kVault(q), kOcciput(q), 30), kMidface(q), 22);
   d = smin(smin(d, kFloor(q), 16), kJaw(q), 20);
   // The neck: a cylinder, wider than deep, that leans forwards, with both sternocleidomastoids.
-  const double neck = std::hypot(q.x() * 54 / 56, q.y() + 21 - 0.13 * (q.z() + 75)) - 54;
+  const double neck = Vec2(q.x() * 54 / 56, q.y() + 21 - 0.13 * (q.z() + 75)).norm() - 54;
   d = smin(d, smax(neck, q.z() + 20, 30), 26);
   return join(d, kSternomastoid, q, 14);
 }
