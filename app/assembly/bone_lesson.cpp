@@ -38,8 +38,8 @@ Vec3 middle(const std::vector<std::string>& names, const Places& at) {
   return sum / double(names.size());
 }
 
-/// The turn that takes one cloud to another nearest (Kabsch 1976, Acta Cryst. A32, 922); nothing where the places lie on
-/// one line.
+/// The turn that takes one cloud to another nearest (Kabsch 1976, Acta Cryst. A32, 922); nothing where the places lie
+/// on one line.
 std::optional<Mat3> turn_between(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
   Vec3 a = Vec3::Zero(), b = Vec3::Zero();
   for (size_t i = 0; i < from.size(); ++i) a += from[i] / double(from.size()), b += to[i] / double(from.size());

@@ -51,8 +51,8 @@ struct LessonValues {
 /// Names of a plan that a head with these landmarks lacks, in words; empty: none.
 std::string plan_lacks(const BonePlan& plan, std::span<const HeadLandmark> landmarks);
 
-/// pieces_wrong           landmarks of `holds` that do not lie on their piece, of `apart_from` that do, and fragments too
-///                        many or too few
+/// pieces_wrong           landmarks of `holds` that do not lie on their piece, of `apart_from` that do, and fragments
+///                        too many or too few
 /// piece_mm               from a landmark of a piece to where it should be, the farthest
 /// piece_deg              between the turn of a piece (of its landmarks, by least squares) and the one that was meant
 /// sideways_mm, forwards_mm, upwards_mm   of the middle of a piece's landmarks, either way, the farthest of all pieces

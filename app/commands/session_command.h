@@ -71,7 +71,8 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
 /// Writes result.json and report.html into the output folder and the JSON file, as asked.
 void leave_result(const Result& result, const CommonOptions& common);
 
-/// A lesson is judged on a scene that has what it is about: InputError otherwise. Says so where it was made for another.
+/// A lesson is judged on a scene that has what it is about: InputError otherwise. Says so where it was made for
+/// another.
 void check_lesson(const Lesson& lesson, const Scene& scene);
 /// Throws InputError: it names landmarks or figures that the head lacks. Null, or a lesson on skin: nothing is asked.
 void check_lesson(const Lesson& lesson, const Head* head);

@@ -7,8 +7,8 @@
 //                          forwards
 //   le_fort_3              the midface: level through the suture between nose and forehead, the orbits and their outer
 //                          rims, upright through arches and pterygoid region, 8 mm forwards. One step of two planes:
-//                          the floors of the orbits go forwards whole, their inner walls are cut level and not along the
-//                          lacrimal groove, the arch upright and not along its suture
+//                          the floors of the orbits go forwards whole, their inner walls are cut level and not along
+//                          the lacrimal groove, the arch upright and not along its suture
 //   sagittal_split         both sides of the mandible, split between level, middle and upright cuts; the tooth-bearing
 //                          part 6 mm forwards
 //   autorotation           the mandible opened by 10 degrees about the line through the condyles

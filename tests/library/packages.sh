@@ -4,7 +4,8 @@
 #   tests/library/packages.sh BUILD PYTHON_BUILD        Python's package where there is such a build (./do python)
 #
 # The root has no libraries of the system: dpkg does not look for the packages that are depended on, and programs use those of
-# this machine. Skipped (77) without dpkg-deb, dpkg-shlibdeps, or root rights.
+# this machine; scripts run outside of it, and do nothing but ldconfig. Skipped (77) without dpkg-deb, dpkg-shlibdeps, or root
+# rights.
 set -euo pipefail
 build=$1 python_build=$2
 work=$(mktemp -d)
@@ -17,7 +18,7 @@ for tool in dpkg dpkg-deb dpkg-shlibdeps; do command -v $tool >/dev/null || skip
 pack() { (cd "$1" && cpack -G DEB -B "$work/made" -D CPACK_DEBIAN_COMPRESSION_TYPE=gzip "${@:2}") >"$work/log" 2>&1 || { cat "$work/log" >&2; fail "cpack in $1"; }; }
 pack "$build"
 if [ -f "$python_build/python/limberg/__init__.py" ]; then pack "$python_build" -D CPACK_COMPONENTS_ALL=python; fi
-mapfile -t debs < <(find "$work/made" -name '*.deb' | sort)
+mapfile -t debs < <(find "$work/made" -maxdepth 1 -name '*.deb' | sort)
 names=$(for d in "${debs[@]}"; do dpkg-deb -f "$d" Package; done | sort | tr '\n' ' ')
 case "$names" in
   "liblimberg-dev limberg limberg-data " | "liblimberg-dev limberg limberg-data python3-limberg ") ;;
@@ -41,7 +42,7 @@ dpkg-deb -f "$(deb limberg)" Depends | grep -q 'libc6.*limberg-data\|limberg-dat
 root=$work/root
 mkdir -p "$root"/var/lib/dpkg/{info,updates,triggers}
 touch "$root"/var/lib/dpkg/{status,available}
-dpkg --root="$root" --force-depends --install "${debs[@]}" >"$work/log" 2>&1 || { cat "$work/log" >&2; fail "dpkg --install"; }
+dpkg --root="$root" --force-depends --force-script-chrootless --install "${debs[@]}" >"$work/log" 2>&1 || { cat "$work/log" >&2; fail "dpkg --install"; }
 cd "$work"
 ldd "$root/usr/bin/limberg" | grep "not found" && fail "a library is missing"
 "$root/usr/bin/limberg" --version >/dev/null || fail "limberg --version"
@@ -58,7 +59,7 @@ w = limberg.World(limberg.open_scene("rhomboid"))
 w.apply(limberg.incise(path=[[0, 0], [20, 0]], depth_mm=4))
 ' || fail "import limberg"
 fi
-dpkg --root="$root" --force-depends --purge $names >"$work/log" 2>&1 || { cat "$work/log" >&2; fail "dpkg --purge"; }
+dpkg --root="$root" --force-depends --force-script-chrootless --purge $names >"$work/log" 2>&1 || { cat "$work/log" >&2; fail "dpkg --purge"; }
 # (what Python compiled when it was imported is not the package's)
 find "$root/usr" -name __pycache__ -prune -exec rm -r {} + 2>/dev/null || true
 left=$(find "$root/usr" ! -type d 2>/dev/null || true)
