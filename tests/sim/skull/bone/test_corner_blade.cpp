@@ -179,7 +179,7 @@ TEST(CornerBlade, WhatIsNoBladeIsRefusedAndChangesNothing) {
   refused(fan({0, 0, 0}, {kX, -kX}, 100), "less than 5 or more than 150 degrees");
   refused(fan({0, 0, 0}, {kX, Vec3::Zero()}, 100), "no length");
   refused(fan({0, 0, 0}, {kX, kY}, 0), "length above 0");
-  refused(fan({0, 0, 0}, {kX, kY, -kX, -kY, kX}, 100), "full turn");
+  refused(fan({0, 0, 0}, {kX, kY, -kX, -kY, kX}, 100), "crosses or touches");  // a full turn comes back
   refused(fan({0, 0, 0}, {kX, kY}, 100), "ends within the bone");
   refused(fan({100, 0, 0}, {kX, kY}, 50), "does not meet the bone");
 }
