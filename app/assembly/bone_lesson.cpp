@@ -1,13 +1,13 @@
 #include "app/assembly/bone_lesson.h"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <set>
 
 #include "sim/geometry/rotation.h"
+#include "sim/imaging/register/superposition.h"
 #include "sim/measure/cephalometry.h"
 
 namespace limberg {
@@ -38,31 +38,11 @@ Vec3 middle(const std::vector<std::string>& names, const Places& at) {
   return sum / double(names.size());
 }
 
-/// The turn that takes one cloud to another nearest (Kabsch 1976, Acta Cryst. A32, 922); nothing where the places lie
-/// on one line.
-std::optional<Mat3> turn_between(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
-  Vec3 a = Vec3::Zero(), b = Vec3::Zero();
-  for (size_t i = 0; i < from.size(); ++i) a += from[i] / double(from.size()), b += to[i] / double(from.size());
-  Mat3 S = Mat3::Zero();
-  for (size_t i = 0; i < from.size(); ++i) S += (to[i] - b) * (from[i] - a).transpose();
-  const Eigen::JacobiSVD<Mat3> svd(S, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  if (!(svd.singularValues()[1] > 1e-3 * svd.singularValues()[0])) return std::nullopt;
-  Vec3 sign = Vec3::Ones();
-  if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0) sign.z() = -1;
-  return Mat3(svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose());
-}
-
 /// Keeps the largest of a name, and where it was.
 void largest(LessonValues& v, const char* name, double value, const std::string& place) {
   const auto it = v.value.find(name);
   if (it != v.value.end() && it->second >= value) return;
   v.value[name] = value, v.place[name] = place;
-}
-
-std::string listed(const std::vector<std::string>& words) {
-  std::string all;
-  for (const std::string& w : words) all += (all.empty() ? "" : "; ") + w;
-  return all;
 }
 
 void count_wrong(LessonValues& v, const BonePlan& plan, const Head& head, const Places& at) {
@@ -83,7 +63,7 @@ void count_wrong(LessonValues& v, const BonePlan& plan, const Head& head, const 
     count += std::abs(have - *plan.fragments);
     wrong.push_back(fmt::format("{} fragments where {} were expected", have, *plan.fragments));
   }
-  v.value["pieces_wrong"] = count, v.place["pieces_wrong"] = listed(wrong);
+  v.value["pieces_wrong"] = count, v.place["pieces_wrong"] = fmt::format("{}", fmt::join(wrong, "; "));
 }
 
 void follow_piece(LessonValues& v, const PlannedPiece& p, const Places& at, const Asymmetry& symmetry) {
@@ -103,8 +83,8 @@ void follow_piece(LessonValues& v, const PlannedPiece& p, const Places& at, cons
   largest(v, "sideways_mm", std::abs(off.x()), p.name + (off.x() < 0 ? ", left" : ", right"));
   largest(v, "forwards_mm", std::abs(off.y()), p.name + (off.y() < 0 ? ", too little" : ", too much"));
   largest(v, "upwards_mm", std::abs(off.z()), p.name + (off.z() < 0 ? ", low" : ", high"));
-  if (const auto R = first.size() < 3 ? std::nullopt : turn_between(first, now))
-    largest(v, "piece_deg", axis_angle(*R * meant.linear().transpose()).angle * kDeg, p.name);
+  if (const LandmarkFit fit = fit_landmarks(first, now, false))
+    largest(v, "piece_deg", axis_angle(fit.map.R * meant.linear().transpose()).angle * kDeg, p.name);
   else
     v.why_not["piece_deg"] = "three landmarks of the " + p.name + " that are not on one line were looked for";
 }

@@ -159,10 +159,10 @@ OperationOutcome operate(Patient& patient, const Script& script, const Operation
     }
     if (set.progress) set.progress(begun++, script.lines.size());
     const Outcome o = op.apply(l.command, l.line);
-    if (!o.done && set.on_refusal) set.on_refusal(l.command, o.reason);
-    if (!o.done && !set.keep_going)
-      throw InputError(script.name, l.line, std::string(action_name(l.command)) + " refused: " + o.reason);
     if (!o.done) {
+      if (set.on_refusal) set.on_refusal(l.command, o.reason);
+      if (!set.keep_going)
+        throw InputError(script.name, l.line, std::string(action_name(l.command)) + " refused: " + o.reason);
       op.out.refused.push_back({l.line, action_name(l.command), o.reason});
       continue;
     }

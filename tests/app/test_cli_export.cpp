@@ -137,7 +137,7 @@ TEST_F(Export, OfARecordingHasThePathOfTheHand) {
   EXPECT_EQ(std::stod(table(slurp(path("x/measures.csv")))[1][1]), x["moments"][0]["t_s"].get<double>());
 }
 
-// Whenever it is interrupted: what is there is whole, and nothing of the whole operation is there.
+// Whenever an export is interrupted: each file in its folder is whole, and none of the whole operation is there.
 TEST_F(Export, InterruptedLeavesNoHalfFile) {
   const std::string op = operated();
   ASSERT_EQ(run("export " + op + " --at all --out " + path("whole")).status, 0);

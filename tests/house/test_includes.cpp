@@ -150,7 +150,7 @@ bool library_rule(const Include& i) {
   return w == "library" || w == "sim" || w == "devices" || w == "calibration" || i.target.starts_with("app/scene/") ||
          apps.contains(i.target);
 }
-// Nobody of the house needs what is there for others.
+// No other folder includes the library: it is made of them.
 bool no_library(const Include& i) { return !own(i.target) || wing(i.target) != "library"; }
 
 TEST(Includes, SimKnowsNoClockNoThreadNoOtherWing) { EXPECT_EQ(offences(includes_of("sim"), sim_rule), ""); }
