@@ -1,0 +1,75 @@
+// Writes the surface of the face that shipped scenes operate on, its materials and its picture:
+//
+//   limberg_face_surface app/scenes        -> anatomical_face.obj, anatomical_face.mtl, anatomical_face.png
+#include <fmt/format.h>
+#include <fmt/os.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+
+#include "app/session/workers_pool.h"
+#include "render/image.h"
+#include "sim/imaging/anatomical/face_tissue.h"
+#include "sim/imaging/anatomical/skin_colour.h"
+
+using namespace limberg;
+
+namespace {
+
+constexpr int kPicture = 768;  // pixels a side: .35 mm of skin each
+
+void write_surface(const FaceTissue& f, const std::string& file) {
+  auto out = fmt::output_file(file);
+  out.print("# The soft tissue of a face, made by limberg_face_surface: mm, x right, y forwards, z up.\n");
+  out.print("mtllib anatomical_face.mtl\n");
+  for (const Vec3& X : f.X_mm) out.print("v {:.2f} {:.2f} {:.2f}\n", X.x(), X.y(), X.z());
+  for (const Vec2& q : f.uv) out.print("vt {:.4f} {:.4f}\n", q.x(), q.y());
+  for (size_t part = 0; part < std::size(kFaceParts); ++part) {
+    out.print("usemtl {}\n", kFaceParts[part]);
+    for (size_t t = 0; t < f.tri.size(); ++t)
+      if (size_t(f.part[t]) == part)
+        out.print("f {0}/{0} {1}/{1} {2}/{2}\n", f.tri[t][0] + 1, f.tri[t][1] + 1, f.tri[t][2] + 1);
+  }
+}
+
+void write_materials(const std::string& file) {
+  auto out = fmt::output_file(file);
+  for (const char* part : kFaceParts) out.print("newmtl {}\nmap_Kd anatomical_face.png\n", part);
+}
+
+Image picture(Workers& workers) {
+  Image image(kPicture, kPicture);
+  const auto byte = [](double v) { return uint8_t(std::lround(255 * std::clamp(v, 0., 1.))); };
+  workers.parallel_for(kPicture, 8, [&](size_t begin, size_t end) {
+    for (size_t row = begin; row < end; ++row)
+      for (int column = 0; column < kPicture; ++column) {
+        const Vec2 uv((column + 0.5) / kPicture, 1 - (double(row) + 0.5) / kPicture);
+        const Vec3 colour = anatomical::skin_colour(face_place_of_picture(uv));
+        image.set(column, int(row), {byte(colour[0]), byte(colour[1]), byte(colour[2])});
+      }
+  });
+  return image;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  if (argc != 2) {
+    std::fprintf(stderr, "limberg_face_surface: expected one folder\n");
+    return 2;
+  }
+  const std::filesystem::path folder = argv[1];
+  WorkersPool workers(2);
+  const FaceTissue face = make_face_tissue(workers);
+  write_surface(face, (folder / "anatomical_face.obj").string());
+  write_materials((folder / "anatomical_face.mtl").string());
+  write_png((folder / "anatomical_face.png").string(), picture(workers));
+  std::printf("%zu corners, %zu triangles\n", face.X_mm.size(), face.tri.size());
+  return 0;
+} catch (const std::exception& e) {
+  std::fprintf(stderr, "limberg_face_surface: %s\n", e.what());
+  return 1;
+}

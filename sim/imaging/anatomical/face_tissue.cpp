@@ -1,0 +1,253 @@
+#include "sim/imaging/anatomical/face_tissue.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <numeric>
+#include <set>
+#include <tuple>
+
+#include "sim/geometry/bvh.h"
+#include "sim/imaging/anatomical/eye_shape.h"
+#include "sim/imaging/anatomical/skin_shape.h"
+#include "sim/imaging/fit/graded_grid.h"
+
+namespace limberg {
+namespace {
+
+using namespace anatomical;
+
+// What is kept of the head.
+constexpr double kBack_mm = -46, kTop_mm = 108, kBottom_mm = -104;
+constexpr double kRound_mm = 1.5;  // radius of the edges between skin, depth and sides
+// The picture: angles about an axis between the ears, seen from above; 0 looks forwards.
+constexpr double kAxis_y_mm = 10, kTurn = 2.3;  // radians to either side
+constexpr double kLow_mm = -108, kHigh_mm = 112;
+constexpr double kGlobe_mm = 0.45;  // so near to a globe the surface is its
+
+struct SmallCells {
+  Vec3 c;
+  double r, cell;
+};
+// Cells of the grid that the surface is found on. Lids, nostrils, lips and ears want small ones.
+const SmallCells kSmallCells[] = {
+    {{31.5, 80, 15}, 18, 2}, {{0, 108, -32}, 20, 2}, {{14, 100, -55}, 14, 2}, {{78, -14, 3}, 32, 2}};
+constexpr double kFlatCell_mm = 4, kCellSpread = 1, kDeepCell_mm = 4;  // halves of 16
+constexpr double kThin = 0.8, kOff = 0.12, kDeepEdge_mm = 4.5;         // wanted edges: of skin by its cells
+
+double cell_at(const Vec3& p) {
+  const Vec3 q(std::abs(p.x()), p.y(), p.z());
+  double cell = kFlatCell_mm;
+  for (const SmallCells& f : kSmallCells)
+    cell = std::min(cell, f.cell + kCellSpread * std::max(0., (q - f.c).norm() - f.r));
+  return cell;
+}
+
+/// How thick the tissue is: 8 mm on the forehead and the scalp, 10 over the cheekbone, 14 in cheek and lips. Means of
+/// adults are some 5, 9, and 11 to 20 mm (as remembered from Stephan and Simpson 2008; no table was at hand); thinner
+/// than two cells of the grid a shell has holes.
+double depth_at(const Vec3& p) {
+  const double x = std::abs(p.x());
+  const double brow = ramp(18, 40, p.z()), temple = ramp(52, 66, x) * ramp(-8, 12, p.z());
+  const double cheekbone =
+      4 * elementary::exp(-(Vec3(x, p.y(), p.z()) - Vec3(52, 60, -6)).squaredNorm() / (2 * 14 * 14));
+  return kFaceDepth_mm - cheekbone * (1 - brow) - 6 * brow - 4 * temple * (1 - brow);
+}
+
+double sides(const Vec3& p) { return std::max({kBack_mm - p.y(), p.z() - kTop_mm, kBottom_mm - p.z()}); }
+
+double globes(const Vec3& p) {
+  const Vec3 q(std::abs(p.x()), p.y(), p.z());
+  return std::min((q - Eye::centre()).norm() - Eye::kGlobe_mm, (q - Eye::centre() - Vec3(0, 5.3, 0)).norm() - 7.9);
+}
+
+/// The largest of the closed pieces.
+void keep_largest(FaceTissue& f) {
+  std::vector<int32_t> root(f.X_mm.size());
+  std::iota(root.begin(), root.end(), 0);
+  const auto find = [&](int32_t v) {
+    while (root[size_t(v)] != v) v = root[size_t(v)] = root[size_t(root[size_t(v)])];
+    return v;
+  };
+  for (const Tri& t : f.tri)
+    for (size_t k = 1; k < 3; ++k) {
+      const int32_t a = find(t[0]), b = find(t[k]);
+      root[size_t(std::max(a, b))] = std::min(a, b);
+    }
+  std::map<int32_t, size_t> count;
+  for (const Tri& t : f.tri) ++count[find(t[0])];
+  int32_t most = -1;
+  for (const auto& [r, n] : count)
+    if (most < 0 || n > count[most]) most = r;
+  std::vector<int32_t> number(f.X_mm.size(), -1);
+  std::vector<Vec3> X;
+  std::vector<Tri> tri;
+  for (const Tri& t : f.tri) {
+    if (find(t[0]) != most) continue;
+    Tri u = t;
+    for (int32_t& v : u) {
+      if (number[size_t(v)] < 0) number[size_t(v)] = int32_t(X.size()), X.push_back(f.X_mm[size_t(v)]);
+      v = number[size_t(v)];
+    }
+    tri.push_back(u);
+  }
+  f.X_mm = std::move(X), f.tri = std::move(tri);
+}
+
+/// Triangles without the short edges that tetrahedra leave: an edge shorter than its place wants becomes its middle, put
+/// back on the surface, the shortest first, where the surface stays a manifold and no triangle turns by more than 60
+/// degrees or grows longer than twice what is wanted.
+class Thinning {
+ public:
+  Thinning(FaceTissue& f, const LevelSet& set) : f_(f), set_(set), of_(f.X_mm.size()) {
+    for (size_t t = 0; t < f.tri.size(); ++t)
+      for (const int32_t v : f.tri[t]) of_[size_t(v)].push_back(int32_t(t));
+  }
+  void run(const std::function<double(const Vec3&)>& edge_mm) {
+    std::set<std::tuple<double, int32_t, int32_t>> todo;
+    const auto add = [&](int32_t a, int32_t b) {
+      const double length = (f_.X_mm[size_t(a)] - f_.X_mm[size_t(b)]).norm();
+      if (length < edge_mm((f_.X_mm[size_t(a)] + f_.X_mm[size_t(b)]) / 2))
+        todo.emplace(length, std::min(a, b), std::max(a, b));
+    };
+    for (const Tri& t : f_.tri)
+      for (size_t k = 0; k < 3; ++k)
+        if (t[k] < t[(k + 1) % 3]) add(t[k], t[(k + 1) % 3]);
+    while (!todo.empty()) {
+      const auto [length, a, b] = *todo.begin();
+      todo.erase(todo.begin());
+      if (of_[size_t(a)].empty() || of_[size_t(b)].empty() ||
+          (f_.X_mm[size_t(a)] - f_.X_mm[size_t(b)]).norm() != length)
+        continue;
+      if (!collapse(a, b, edge_mm)) continue;
+      for (const int32_t n : neighbours(a)) add(a, n);
+    }
+    std::vector<int32_t> number(f_.X_mm.size(), -1);
+    std::vector<Vec3> X;
+    std::vector<Tri> tri;
+    for (const Tri& t : f_.tri) {
+      if (t[0] < 0) continue;
+      Tri u = t;
+      for (int32_t& v : u) {
+        if (number[size_t(v)] < 0) number[size_t(v)] = int32_t(X.size()), X.push_back(f_.X_mm[size_t(v)]);
+        v = number[size_t(v)];
+      }
+      tri.push_back(u);
+    }
+    f_.X_mm = std::move(X), f_.tri = std::move(tri);
+  }
+
+ private:
+  std::set<int32_t> neighbours(int32_t v) const {
+    std::set<int32_t> out;
+    for (const int32_t t : of_[size_t(v)])
+      for (const int32_t w : f_.tri[size_t(t)])
+        if (w != v) out.insert(w);
+    return out;
+  }
+  Vec3 normal(const Tri& t, int32_t moved, int32_t also, const Vec3& to) const {
+    const auto at = [&](int32_t v) { return v == moved || v == also ? to : f_.X_mm[size_t(v)]; };
+    return (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0]));
+  }
+  bool collapse(int32_t a, int32_t b, const std::function<double(const Vec3&)>& edge_mm) {
+    const std::set<int32_t> na = neighbours(a), nb = neighbours(b);
+    std::vector<int32_t> both;
+    std::set_intersection(na.begin(), na.end(), nb.begin(), nb.end(), std::back_inserter(both));
+    if (both.size() != 2 || !na.contains(b)) return false;
+    for (const int32_t v : both)
+      if (of_[size_t(v)].size() < 4) return false;
+    Vec3 to = (f_.X_mm[size_t(a)] + f_.X_mm[size_t(b)]) / 2;
+    if (!put_on_surface(set_, to, 1)) return false;
+    for (const int32_t v : {a, b})
+      for (const int32_t t : of_[size_t(v)]) {
+        const Tri& c = f_.tri[size_t(t)];
+        if (std::count(c.begin(), c.end(), a) && std::count(c.begin(), c.end(), b)) continue;
+        const Vec3 was = normal(c, -1, -1, to), is = normal(c, a, b, to);
+        if (!(was.dot(is) > 0.5 * was.norm() * is.norm())) return false;
+        Vec3 middle = Vec3::Zero();
+        for (const int32_t w : c) middle += (w == v ? to : f_.X_mm[size_t(w)]) / 3;
+        if (!(std::abs(level_at(set_, middle).distance_mm) < kOff * edge_mm(to))) return false;
+        for (const int32_t w : c)
+          if (w != v && (f_.X_mm[size_t(w)] - to).norm() > 2 * edge_mm(to)) return false;
+      }
+    f_.X_mm[size_t(a)] = to;
+    for (const int32_t t : of_[size_t(b)]) {
+      Tri& c = f_.tri[size_t(t)];
+      if (std::count(c.begin(), c.end(), a)) {
+        for (const int32_t w : c)
+          if (w != b) std::erase(of_[size_t(w)], t);
+        c = {-1, -1, -1};
+        continue;
+      }
+      std::replace(c.begin(), c.end(), b, a);
+      of_[size_t(a)].push_back(t);
+    }
+    of_[size_t(b)].clear();
+    return true;
+  }
+  FaceTissue& f_;
+  const LevelSet& set_;
+  std::vector<std::vector<int32_t>> of_;
+};
+
+}  // namespace
+
+FaceTissue make_face_tissue(Workers& workers) {
+  const SkinShape skin;
+  // Far inside, the shape's function is no distance: that to its surface is looked up.
+  LevelSet whole;
+  whole.distance_mm = [&](const Vec3& p) { return skin(p); };
+  whole.lipschitz = SkinShape::kLipschitz;
+  whole.low_mm = {-105, -122, -140}, whole.high_mm = {105, 138, 142};
+  std::vector<Vec3> on_skin;
+  std::vector<Tri> skin_tri;
+  march_graded(whole, cell_at, workers, on_skin, skin_tri);
+  const Bvh near_skin(on_skin, skin_tri);
+  const auto deep = [&](const Vec3& p, double s) {
+    return s > -1 ? -s - depth_at(p) : near_skin.closest(p).distance_mm - depth_at(p);
+  };
+  LevelSet set;
+  set.distance_mm = [&](const Vec3& p) {
+    const double s = skin(p);
+    if (s > 10) return s;
+    return smax(smax(s, deep(p, s), kRound_mm), sides(p), kRound_mm);
+  };
+  set.lipschitz = SkinShape::kLipschitz;
+  set.low_mm = {-105, kBack_mm - 4, kBottom_mm - 4}, set.high_mm = {105, 138, kTop_mm + 4};
+  FaceTissue f;
+  march_graded(
+      set, [&](const Vec3& p) { return skin(p) > -5 ? cell_at(p) : kDeepCell_mm; }, workers, f.X_mm, f.tri);
+  keep_largest(f);
+  Thinning(f, set).run([&](const Vec3& p) { return skin(p) > -5 ? kThin * cell_at(p) : kDeepEdge_mm; });
+  for (const Tri& t : f.tri) {
+    const Vec3 c = (f.X_mm[size_t(t[0])] + f.X_mm[size_t(t[1])] + f.X_mm[size_t(t[2])]) / 3;
+    const double s = skin(c), d = deep(c, s), e = sides(c);
+    const FacePart part = s >= std::max(d, e) ? FacePart::skin : d >= e ? FacePart::deep : FacePart::side;
+    f.part.push_back(part == FacePart::skin && globes(c) < kGlobe_mm ? FacePart::globe : part);
+  }
+  for (const Vec3& X : f.X_mm) f.uv.push_back(face_picture_place(X));
+  return f;
+}
+
+Vec2 face_picture_place(const Vec3& p) {
+  const double turn = elementary::atan2(p.x(), p.y() - kAxis_y_mm);
+  return {std::clamp(0.5 - 0.5 * turn / kTurn, 0., 1.), std::clamp((p.z() - kLow_mm) / (kHigh_mm - kLow_mm), 0., 1.)};
+}
+
+Vec3 face_place_of_picture(const Vec2& uv) {
+  static const SkinShape skin;
+  const double turn = (0.5 - uv.x()) * 2 * kTurn;
+  const Vec3 way(elementary::sin(turn), elementary::cos(turn), 0);
+  Vec3 p(0, kAxis_y_mm, kLow_mm + uv.y() * (kHigh_mm - kLow_mm));
+  p += 150 * way;
+  for (int i = 0; i < 400; ++i) {  // inwards until the skin is met
+    const double s = skin(p);
+    if (s < 0.02) break;
+    p -= s / SkinShape::kLipschitz * way;
+    if ((p - Vec3(0, kAxis_y_mm, p.z())).dot(way) < 0) break;
+  }
+  return p;
+}
+
+}  // namespace limberg

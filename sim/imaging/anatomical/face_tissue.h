@@ -1,0 +1,37 @@
+#pragma once
+// The soft tissue of the anatomical face as one closed surface, to be operated: from the skin down to where bone
+// would lie, or to the depth that matters to a flap.
+//
+//   FaceTissue face = make_face_tissue(workers);          // some seconds; app/scenes/anatomical_face.obj holds it
+//
+// It reaches from the scalp to beneath the chin and behind the ears. Skin is free; what lies on bone or was cut off deep
+// is held, and so are the sides, where the face goes on, and the globes, which lids lie upon.
+#include <cstdint>
+#include <vector>
+
+#include "sim/base/workers.h"
+#include "sim/geometry/vec.h"
+
+namespace limberg {
+
+enum class FacePart : uint8_t { skin, deep, side, globe };
+inline constexpr const char* kFaceParts[] = {"skin", "deep", "side", "globe"};
+
+struct FaceTissue {
+  std::vector<Vec3> X_mm;  // frame of the head: x right, y forwards, z up
+  std::vector<Tri> tri;    // outwards counter-clockwise, closed
+  std::vector<FacePart> part;
+  std::vector<Vec2> uv;  // per vertex: of a picture wound around the head (face_picture_place)
+};
+
+/// The thickest tissue that is kept.
+inline constexpr double kFaceDepth_mm = 14;
+
+FaceTissue make_face_tissue(Workers& workers);
+
+/// Where a place near the skin lies on the picture, u from the right ear to the left, v upwards, both 0 to 1.
+Vec2 face_picture_place(const Vec3& p_mm);
+/// The place on the skin that the picture shows there; of several the outermost.
+Vec3 face_place_of_picture(const Vec2& uv);
+
+}  // namespace limberg
