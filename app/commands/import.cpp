@@ -34,7 +34,7 @@ int import(const ImportSettings& s, bool replace) {
   check_own(stem, replace);
   // What is written is read again as a user's would be: a surface that is no body is said here, in its own lines.
   const std::string script = script_text(x), scene_text = scene_toml(x);
-  //TMP parse_script(script, stem + ".jsonl");
+  parse_script(script, stem + ".jsonl");
   write_whole_file(stem + ".obj", surface_obj(x));
   write_whole_file(stem + ".toml", scene_text);
   build_body(parse_scene(scene_text, stem + ".toml"));
