@@ -361,8 +361,8 @@ void check_lesson(const Lesson& l, bool with_plan, const std::string& svg) {
   // Every corner of the plan lies on the skin, or the lesson cannot be done.
   for (const auto* lines : {&plan.figure.excisions, &plan.figure.incisions})
     for (const auto& line : *lines)
-      for (const Vec2& p : line)
-        if (!skin.at(plan.chart(p)))
+      for (const Vec2& corner : line)
+        if (!skin.at(plan.chart(corner)))
           throw InputError(l.file, 0, "its plan leaves the skin; expected a place with more skin around it");
   if (with_plan || !svg.empty()) foretell(skin, plan, l.title, svg);
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/body/chart.h"
 #include "sim/body/layers.h"
 #include "sim/geometry/rest_grid.h"
 #include "sim/geometry/tri_mesh.h"
@@ -12,10 +13,6 @@
 namespace limberg {
 
 class LawCatalogue;  // fem/materials/catalogue.h
-
-/// A point of the skin as scripts name it: chart coordinates in mm, independent of any mesh.
-/// Block: (x, y) of the flat skin, origin at its centre. Loaded surface: the tangent plane that the scene names.
-using ChartPoint = Vec2;
 
 /// The result of asking "where on the skin?" in rest space.
 struct SkinHit {
@@ -40,10 +37,9 @@ struct Body {
   // Chart: a point p of the chart is the skin point met by the line through chart_origin + p.x e1 + p.y e2 along the
   // chart normal e1 x e2, outermost first.
   Vec3 chart_origin_mm = Vec3::Zero(), chart_e1 = Vec3::UnitX(), chart_e2 = Vec3::UnitY();
-  Vec3 chart_normal() const { return chart_e1.cross(chart_e2); }
-  ChartPoint to_chart(const Vec3& X_mm) const {
-    return {(X_mm - chart_origin_mm).dot(chart_e1), (X_mm - chart_origin_mm).dot(chart_e2)};
-  }
+  Chart chart() const { return {chart_origin_mm, chart_e1, chart_e2}; }
+  Vec3 chart_normal() const { return chart().normal(); }
+  ChartPoint to_chart(const Vec3& X_mm) const { return chart().to_chart(X_mm); }
 };
 
 }  // namespace limberg

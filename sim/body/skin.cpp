@@ -46,6 +46,22 @@ std::optional<SkinHit> Skin::at(const ChartPoint& p) const {
   return std::nullopt;
 }
 
+std::optional<SkinHit> Skin::at(const ChartPoint& p, const SkinView& view) const {
+  if (!any_ || !p.allFinite()) return std::nullopt;
+  const Vec3 n = view.chart.normal();
+  const double far = 2 * (reach_mm_ + (view.chart.origin_mm - body_->chart_origin_mm).norm()) + 1;
+  const double wanted = view.height_mm(p);
+  std::optional<SkinHit> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Bvh::LineHit& h : skin_.bvh().line(view.chart.to_space(p, far), -n, 0, 2 * far)) {
+    const double off = std::abs(far - h.t - wanted);
+    if (!h.from_outside || off >= least) continue;
+    least = off;
+    best = SkinHit{view.chart.to_space(p, far - h.t), face_normal(body_->surface, h.triangle), h.triangle};
+  }
+  return best;
+}
+
 SkinHit Skin::nearest(const Vec3& X) const {
   if (!any_) return {};
   const auto c = skin_.bvh().closest(X);

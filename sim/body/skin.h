@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "sim/body/body.h"
+#include "sim/body/skin_view.h"
 #include "sim/geometry/sided_patch.h"
 
 namespace limberg {
@@ -22,6 +23,9 @@ class Skin {
 
   /// The outermost point of the whole surface on the chart line through p, if it is skin that faces outwards.
   std::optional<SkinHit> at(const ChartPoint& p) const;
+
+  /// Where the line through p along a view's normal meets skin that faces the viewer, nearest to the view's height.
+  std::optional<SkinHit> at(const ChartPoint& p, const SkinView& view) const;
 
   /// The point of the skin nearest to X.
   SkinHit nearest(const Vec3& X_mm) const;

@@ -43,7 +43,7 @@ struct Describer {
   void operator()(const Field& f, E v) {
     add(f, "choice", "", ScriptReader::listed({f.names.begin(), f.names.end()}), f.names[size_t(v)]);
   }
-  void operator()(const Field& f, const ChartPoint&) { add(f, "point [x, y]", "mm", "", ""); }
+  void operator()(const Field& f, const ChartPoint&) { add(f, "point [x, y] or place [x, y, z]", "mm", "", ""); }
   void operator()(const Field& f, const Vec3&) {
     add(f, "[x, y, z]",
         f.key == std::string_view("normal") ? ""
@@ -52,10 +52,11 @@ struct Describer {
         "", f.key == std::string_view("bone") ? "that of the face" : "[0, 0, 0]");
   }
   void operator()(const Field& f, const std::vector<ChartPoint>&) {
-    add(f, "points [[x, y], ...] in mm", "", least(f), "");
+    add(f, "points [[x, y], ...] or places [[x, y, z], ...] in mm", "", least(f), "");
   }
   void operator()(const Field& f, const std::vector<Vec3>&) {
-    add(f, "places [[x, y, z], ...] in mm", "", least(f), "");
+    const bool directions = f.key == std::string_view("normals");
+    add(f, directions ? "directions [[x, y, z], ...]" : "places [[x, y, z], ...] in mm", "", least(f), "none");
   }
   void operator()(const Field& f, const StitchPick&) { add(f, "number or point [x, y]", "", "", ""); }
   void operator()(const Field& f, const FragmentPick&) { add(f, "number or place [x, y, z]", "", "", ""); }
@@ -100,7 +101,8 @@ std::string field_text(const ActionField& f) {
 
 constexpr const char* kOfHead =
     "Of a head: places in mm, x right, y forward, z up, on the bones where they were at first";
-constexpr const char* kOfSkin = "Of skin, and of any patient: points on the chart of the skin, mm";
+constexpr const char* kOfSkin =
+    "Of skin, and of any patient: points on the chart of the skin, mm, or places in space, mm at rest, anywhere on it";
 
 }  // namespace
 

@@ -32,6 +32,12 @@ struct Field {
     return f;
   }
 
+  constexpr Field maybe() const {
+    Field f = *this;
+    f.stands = Stands::if_other;
+    return f;
+  }
+
   // The kinds of fields.
   static constexpr Field given(const char* key, const char* help) { return {.key = key, .help = help}; }
   static constexpr Field path(const char* key, size_t least, const char* help) {

@@ -28,9 +28,30 @@ struct KeysOfLine {
   void same_unless_given(const T&, const T&) {}
 };
 
+/// Whether the places of an act are given in space.
+struct SpaceProbe {
+  const ScriptReader& line;
+  bool in_space = false;
+
+  void operator()(const Field& f, const ChartPoint&) { in_space |= line.has_places(f.key); }
+  void operator()(const Field& f, const std::vector<ChartPoint>&) { in_space |= line.has_places(f.key); }
+  void operator()(const Field& f, const StitchPick&) { in_space |= line.has_places(f.key); }
+  template <class T>
+  void operator()(const Field&, const T&) {}
+  bool form(const char* key, bool, const char*, const char*) { return line.has(key); }
+  template <class T>
+  void same_unless_given(const T&, const T&) {}
+};
+
 /// Fills a command from a line.
 struct LineReader {
   const ScriptReader& line;
+  std::vector<double>* z = nullptr;  // places are in space; what is beside x and y goes here
+
+  ChartPoint flat(const Vec3& X) {
+    z->push_back(X.z());
+    return {X.x(), X.y()};
+  }
 
   bool left_out(const Field& f) const { return f.stands != Stands::always && !line.has(f.key); }
 
@@ -50,14 +71,22 @@ struct LineReader {
     if (!left_out(f)) v = E(line.choice(f.key, f.names));
   }
   void operator()(const Field& f, ChartPoint& v) {
-    if (!left_out(f)) v = line.point(f.key);
+    if (!left_out(f)) v = z ? flat(line.place(f.key)) : line.point(f.key);
   }
   void operator()(const Field& f, Vec3& v) {
     if (!left_out(f)) v = line.place(f.key);
   }
-  void operator()(const Field& f, std::vector<ChartPoint>& v) { v = line.path(f.key, size_t(f.from)); }
-  void operator()(const Field& f, std::vector<Vec3>& v) { v = line.places(f.key, size_t(f.from)); }
-  void operator()(const Field& f, StitchPick& v) { v = line.stitch(f.key); }
+  void operator()(const Field& f, std::vector<ChartPoint>& v) {
+    if (!z) return void(v = line.path(f.key, size_t(f.from)));
+    v.clear();
+    for (const Vec3& X : line.places(f.key, size_t(f.from))) v.push_back(flat(X));
+  }
+  void operator()(const Field& f, std::vector<Vec3>& v) {
+    if (!left_out(f)) v = line.places(f.key, size_t(f.from));
+  }
+  void operator()(const Field& f, StitchPick& v) {
+    v = z && line.is_list(f.key) ? StitchPick{0, flat(line.place(f.key))} : line.stitch(f.key);
+  }
   void operator()(const Field& f, FragmentPick& v) { v = line.fragment(f.key); }
   void operator()(const Field& f, std::optional<Vec3>& v) {
     if (!left_out(f)) v = line.place(f.key);
@@ -74,7 +103,6 @@ struct LineReader {
 
 Json json_of(const ChartPoint& p) { return Json::array({p.x(), p.y()}); }
 Json json_of(const Vec3& v) { return Json::array({v.x(), v.y(), v.z()}); }
-Json json_of(const StitchPick& s) { return s.id > 0 ? Json(s.id) : json_of(s.at); }
 Json json_of(const FragmentPick& p) { return p.id >= 0 ? Json(p.id) : json_of(p.at_mm); }
 template <class P>
 Json json_of(const std::vector<P>& path) {
@@ -86,6 +114,15 @@ Json json_of(const std::vector<P>& path) {
 /// Writes a command's fields into a line.
 struct LineWriter {
   Json line;
+  std::span<const double> z{};  // of an act in space: what is beside x and y, from here on
+  bool in_space = false;
+
+  Json place(const ChartPoint& p) {
+    if (!in_space) return json_of(p);
+    const double height = z.front();
+    z = z.subspan(1);
+    return json_of(Vec3(p.x(), p.y(), height));
+  }
 
   template <class T>
   void operator()(const Field& f, const T& v) {
@@ -102,6 +139,15 @@ struct LineWriter {
       if (v) line[f.key] = json_of(*v);
     } else if constexpr (std::is_same_v<T, Vec3>) {
       if (!quiet || v != Vec3::Zero()) line[f.key] = json_of(v);
+    } else if constexpr (std::is_same_v<T, ChartPoint>) {
+      line[f.key] = place(v);
+    } else if constexpr (std::is_same_v<T, std::vector<ChartPoint>>) {
+      line[f.key] = Json::array();
+      for (const ChartPoint& p : v) line[f.key].push_back(place(p));
+    } else if constexpr (std::is_same_v<T, StitchPick>) {
+      line[f.key] = v.id > 0 ? Json(v.id) : place(v.at);
+    } else if constexpr (std::is_same_v<T, std::vector<Vec3>>) {
+      if (!quiet || !v.empty()) line[f.key] = json_of(v);
     } else {
       line[f.key] = json_of(v);
     }
@@ -111,18 +157,31 @@ struct LineWriter {
   void same_unless_given(const T&, const T&) {}
 };
 
+template <class C, class V>
+struct HoldsAct : std::false_type {};
+template <class C, class... A>
+struct HoldsAct<C, std::variant<A...>> : std::bool_constant<(std::is_same_v<C, A> || ...)> {};
+
 template <class C>
-C read(const ScriptReader& line, const std::string& where) {
+Command read(const ScriptReader& line, const std::string& where) {
   C c{};
   KeysOfLine known{line};
   Act<C>::fields(known, c);
   line.only(known.keys, where + known.form_words);
   c = C{};
-  LineReader reader{line};
+  SpaceProbe probe{line};
+  if constexpr (HoldsAct<C, SkinAct>::value) Act<C>::fields(probe, c);
+  std::vector<double> z;
+  LineReader reader{line, probe.in_space ? &z : nullptr};
   Act<C>::fields(reader, c);
   if constexpr (requires { Act<C>::check(c); })
     if (const std::string wrong = Act<C>::check(c); !wrong.empty()) line.fail(wrong);
-  return c;
+  if constexpr (HoldsAct<C, SkinAct>::value)
+    if (probe.in_space) return InSpace{c, std::move(z)};
+  if constexpr (Act<C>::needs == Needs::head)
+    return HeadCommand(c);
+  else
+    return c;
 }
 
 template <class C>
@@ -152,12 +211,7 @@ Command parse_command(std::string_view json_line, const std::string& name, int l
   for (const bool marked : {true, false})
     for_each_act([&]<class C>(std::type_identity<C>) {
       const char* mark = mark_of<C>();
-      if (!c && action == Act<C>::name && marked == (mark != nullptr) && (!mark || r.has(mark))) {
-        if constexpr (Act<C>::needs == Needs::head)
-          c = HeadCommand(read<C>(r, where));
-        else
-          c = read<C>(r, where);
-      }
+      if (!c && action == Act<C>::name && marked == (mark != nullptr) && (!mark || r.has(mark))) c = read<C>(r, where);
     });
   if (!c)
     r.fail("unknown action \"" + ScriptReader::shown(action) + "\"; expected " + names_of_acts(Needs::skin, true) +
@@ -172,7 +226,13 @@ const char* action_name(const Command& command) {
 std::string to_json_line(const Command& command) {
   LineWriter writer;
   writer.line["action"] = action_name(command);
-  visit_act(command, [&]<class C>(const C& c) { Act<C>::fields(writer, c); });
+  const auto write = [&]<class C>(const C& c) { Act<C>::fields(writer, c); };
+  if (const auto* placed = std::get_if<InSpace>(&command)) {
+    writer.in_space = true, writer.z = placed->z_mm;
+    std::visit(write, placed->act);
+  } else {
+    visit_act(command, write);
+  }
   return writer.line.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

@@ -105,6 +105,13 @@ double ScriptReader::real(const char* key, double otherwise, double lo, double h
   return d;
 }
 
+bool ScriptReader::has_places(const char* key) const {
+  if (!is_list(key)) return false;
+  const Json& v = data_->json[key];
+  const Json& first = !v.empty() && v[0].is_array() ? v[0] : v;
+  return first.size() == 3 && first[0].is_number();
+}
+
 std::vector<Landmark> ScriptReader::landmarks(const char* key) const {
   std::vector<Landmark> out;
   if (!has(key)) return out;

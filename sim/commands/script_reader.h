@@ -21,6 +21,8 @@ class ScriptReader {
   [[noreturn]] void fail(const std::string& what) const;
   bool has(const char* key) const;
   bool is_list(const char* key) const;
+  /// Whether the key holds [x, y, z], or a list that begins with one.
+  bool has_places(const char* key) const;
   /// Any other key is refused.
   void only(const std::vector<const char*>& keys, const std::string& where) const;
 

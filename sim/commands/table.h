@@ -69,6 +69,10 @@ inline constexpr Field kNumber = Field::number("id", 1, ScriptLimits::max_id, "t
 inline constexpr Field kSeconds = Field::number("seconds", 0, ScriptLimits::seconds, "how long it takes");
 inline constexpr Field kSpacing_mm = Field::number_above("spacing_mm", 0, 1000, "between stitches").usually(1.5, 12);
 
+inline constexpr const char* kSideHelp =
+    "what it goes into: skin, a flap's underside, the bed that it was raised from, or the nearest cut face (these of "
+    "places [x, y, z])";
+
 /// Of a row's fields those that say how it is sewn.
 void sewn(auto& v, auto& k) {
   v(kSpacing_mm, k.spacing_mm);
@@ -85,6 +89,7 @@ std::string slack_is_of_a_running_suture(const auto& k) {
 }  // namespace row
 
 double path_mm(const std::vector<ChartPoint>& path, bool closed = false);
+double path_mm(const std::vector<Vec3>& path);
 double area_mm2(const std::vector<ChartPoint>& outline);
 /// So many significant digits, without an exponent or needless zeros.
 std::string rounded_text(double value, int digits);
@@ -188,6 +193,48 @@ struct Act<Excise> {
 };
 
 template <>
+struct Act<ExcisePiece> {
+  static constexpr const char* name = "excise";
+  static constexpr const char* mark = "at";
+  static constexpr Needs needs = Needs::skin;
+  static constexpr bool cuts_skin = true;
+  static constexpr const char* help = "A piece that earlier cuts have freed all round is taken out by touching it.";
+  static constexpr const char* example = R"({"action":"excise","at":[10,5]})";
+  static void fields(auto& v, auto& c) { v(Field::given("at", "on the skin of the loose piece"), c.at); }
+  static std::string words(const ExcisePiece&) { return "loose piece taken out"; }
+  static Deed deed(const ExcisePiece&) { return {"", "A loose piece taken out", " loose pieces taken out"}; }
+};
+
+template <>
+struct Act<CutThrough> {
+  static constexpr const char* name = "cut_through";
+  static constexpr Needs needs = Needs::skin;
+  static constexpr bool cuts_skin = true;
+  static constexpr const char* help =
+      "A cut from one side of the body through to the other, as of a lip, a lid or an ear; the blade goes along the "
+      "normals of the posts, evenly between them.";
+  static constexpr const char* example =
+      R"({"action":"cut_through","path":[[0,0,0],[0,8,0]],"normals":[[0,0,1],[0,0,1]],"open_end":true})";
+  static void fields(auto& v, auto& c) {
+    v(Field::path("path", 2, "posts on the skin"), c.path);
+    v(Field::path("normals", 0, "which way the blade comes in at each post, out of the skin; none: the skin's own").maybe(),
+      c.normals);
+    v(Field::flag("open_start", false, "it goes on over the free margin before the first post"), c.open_start);
+    v(Field::flag("open_end", false, "it goes on over the free margin after the last post"), c.open_end);
+  }
+  static std::string check(const CutThrough& c) {
+    if (!c.normals.empty() && c.normals.size() != c.path.size())
+      return fmt::format("\"normals\" has {} entries for {} posts; one for each was expected, or none", c.normals.size(),
+                         c.path.size());
+    for (const Vec3& n : c.normals)
+      if (!(n.norm() > 1e-6)) return "\"normals\" holds a direction of no length; expected one out of the skin";
+    return "";
+  }
+  static std::string words(const CutThrough& c) { return fmt::format("cut of {:.0f} mm right through", path_mm(c.path)); }
+  static Deed deed(const CutThrough& c) { return {"Cut of " + rounded_text(path_mm(c.path), 3) + " mm right through"}; }
+};
+
+template <>
 struct Act<SetHook> {
   static constexpr const char* name = "hook";
   static constexpr Needs needs = Needs::skin;
@@ -196,6 +243,7 @@ struct Act<SetHook> {
   static void fields(auto& v, auto& c) {
     v(row::kNumber, c.id);
     v(Field::given("at", "where it holds the skin"), c.at);
+    v(Field::choice("surface", kHeldSides, kHeldSides, row::kSideHelp, Stands::if_other), c.side);
   }
   static std::string words(const SetHook& c) { return fmt::format("hook {} set", c.id); }
   static Deed deed(const SetHook&) { return {"", "One hook set", " hooks set"}; }
@@ -238,6 +286,8 @@ struct Act<Suture> {
     v(Field::given("a", "just beside one edge, in the tissue that is held"), c.a);
     v(Field::given("b", "just beside the other edge"), c.b);
     v(row::kBite_mm, c.depth_mm);
+    v(Field::choice("surface_a", kHeldSides, kHeldSides, row::kSideHelp, Stands::if_other), c.side_a);
+    v(Field::choice("surface_b", kHeldSides, kHeldSides, "the same at b", Stands::if_other), c.side_b);
   }
   static Deed deed(const Suture&) { return {"", "One key suture", " key sutures"}; }
 };
@@ -372,6 +422,8 @@ template <class C, class F>
 void for_each_of(std::type_identity<C> command, F&& f) {
   f(command);
 }
+template <class F>
+void for_each_of(std::type_identity<InSpace>, F&&) {}  // the same acts at other places
 template <class... C, class F>
 void for_each_of(std::type_identity<std::variant<C...>>, F&& f) {
   (for_each_of(std::type_identity<C>{}, f), ...);
@@ -381,13 +433,15 @@ template <class F>
 void for_each_act(F&& f) {
   for_each_of(std::type_identity<Command>{}, f);
 }
-/// Calls f(c) with the act itself.
+/// Calls f(c) with the act itself; of one in space, with the act flattened.
 template <class F>
 decltype(auto) visit_act(const Command& command, F&& f) {
   return std::visit(
       [&]<class C>(const C& c) -> decltype(auto) {
         if constexpr (std::is_same_v<C, HeadCommand>)
           return std::visit(f, c);
+        else if constexpr (std::is_same_v<C, InSpace>)
+          return std::visit(f, flattened(c));
         else
           return f(c);
       },

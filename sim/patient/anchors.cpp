@@ -17,6 +17,7 @@ constexpr double kInside = 0.05;
 constexpr double kCarrySlack_mm = 1e-3;
 // A buried bite lies this near to the rim that it belongs to: a blade at 45 degrees and half as much again.
 constexpr double kBuriedReach = 1.5;
+constexpr double kFaces = 0.3;  // cosine: a cut face that lies along the skin rather than across it
 
 Vec3 corner(const SurfaceView& v, size_t t, size_t k) { return v.X_mm[size_t(v.tri[t][k])]; }
 Vec3 normal_of(const SurfaceView& v, size_t t) {
@@ -87,6 +88,30 @@ std::optional<Anchor> make_buried_anchor(const SurfaceTopology& surface, const R
     a.X_mm = at(w);
     a.hint_mm = (1 - kInside) * a.X_mm + kInside * (corner(v, t, 0) + corner(v, t, 1) + corner(v, t, 2)) / 3;
     a.wall_normal = out;
+    found = a;
+  }
+  return found;
+}
+
+std::optional<Anchor> make_wall_anchor(const SurfaceView& view, const RestIndex& index, const Skin& skin, const Vec3& X,
+                                       HeldSide side) {
+  const Vec3 up = skin.frame(X).normal;
+  std::optional<Anchor> found;
+  double best = kWallReach_mm * kWallReach_mm;
+  for (size_t t = 0; t < view.tri.size(); ++t) {
+    if (view.kind[t] != FaceKind::wall) continue;
+    const Vec3 n = normal_of(view, t);
+    if (!(n.norm() > 0)) continue;
+    const double facing = n.normalized().dot(up);
+    if (side == HeldSide::under ? facing > -kFaces : side == HeldSide::bed && facing < kFaces) continue;
+    const SurfacePoint p{int32_t(t), index.weights(int32_t(t), X)};
+    const Vec3 at = index.rest_mm(p);
+    const double d2 = (at - X).squaredNorm();
+    if (d2 > best || (found && d2 == best)) continue;
+    best = d2;
+    Anchor a;
+    a.at = p, a.X_mm = at, a.wall_normal = n.normalized();
+    a.hint_mm = (1 - kInside) * at + kInside * (corner(view, t, 0) + corner(view, t, 1) + corner(view, t, 2)) / 3;
     found = a;
   }
   return found;

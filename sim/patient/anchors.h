@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "sim/body/skin.h"
+#include "sim/commands/skin_acts.h"
 #include "sim/fem/solver/elastic_solver.h"
 #include "sim/patient/rest_index.h"
 #include "sim/patient/snapshot.h"
@@ -70,6 +72,12 @@ Anchor make_anchor(const SurfaceView& view, const RestIndex& index, const Surfac
 /// nearest to the rim point. Nothing when the wound is not so deep there. O(triangles)
 std::optional<Anchor> make_buried_anchor(const SurfaceTopology& surface, const RestIndex& index,
                                          const SurfacePoint& rim, double depth_mm);
+
+/// The nearest place of that kind of cut face within kWallReach_mm of a place at rest: of a flap's underside and its
+/// bed, which lie in one place there, the one that looks away from the skin or towards it. O(triangles)
+std::optional<Anchor> make_wall_anchor(const SurfaceView& view, const RestIndex& index, const Skin& skin,
+                                       const Vec3& X_mm, HeldSide side);
+inline constexpr double kWallReach_mm = 4.0;
 
 /// The same material point on a newer view; nothing when its tissue was removed. O(triangles) for one in a wall.
 std::optional<Anchor> carry_anchor(const Anchor& anchor, const SurfaceView& view, const RestIndex& index);

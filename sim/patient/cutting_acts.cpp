@@ -97,6 +97,30 @@ Acted<TissueChange> SoftTissue::cut(const Excise& c) {
   return finish(cut);
 }
 
+Acted<TissueChange> SoftTissue::cut(const ExcisePiece& c) {
+  std::string reason;
+  const auto at = tissue_.find_skin(c.at, reason);
+  if (!at) return {false, reason};
+  TissueCut cut(tissue_);
+  if (const Outcome o = cut.take_out(*at); !o.done) return o;
+  return finish(cut);
+}
+
+Acted<TissueChange> SoftTissue::cut(const CutThrough& c) {
+  std::string reason;
+  const auto view = view_of(tissue_.skin(), c.path, reason);
+  if (!view) return {false, reason};
+  BladeContext context = tissue_.blade_context();
+  context.view = &*view;
+  context.skin = [&](const ChartPoint& p) { return tissue_.skin().at(p, *view); };
+  const BladeResult blade = build_through(context, tissue_.skin(), {c.normals, c.open_start, c.open_end});
+  if (!blade.blade) return {false, blade.reason};
+  TissueCut cut(tissue_);
+  const CutResult made = cut.cut(*blade.blade, seed());
+  if (!made.ok()) return refusal(made);
+  return finish(cut);
+}
+
 Acted<TissueChange> SoftTissue::finish(TissueCut& cut) {
   if (const Outcome built = cut.build(); !built.done) return built;
   TissueChange change;

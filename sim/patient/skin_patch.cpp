@@ -129,7 +129,7 @@ std::array<Vec3, 2> axes_at(const SurfaceView& view, const SurfacePoint& p) {
 std::vector<SurfacePoint> skin_patch(const SurfaceView& view, const SurfacePoint& middle, double radius_mm) {
   std::vector<SurfacePoint> places{middle};
   if (!(radius_mm > 0)) return places;
-  const SkinWalk walk(view, place_of(view, middle), radius_mm);
+  const SkinWalk walk(view, place_of(view, middle), radius_mm, view.kind[size_t(middle.triangle)]);
   const auto [e1, e2] = axes_at(view, middle);
   // All places have the same part of the disc's area, r^2 / all; a ring's distance squared is the mean over its part,
   // and by 1 / all^2 more, for the middle has none.

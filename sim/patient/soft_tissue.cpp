@@ -55,8 +55,11 @@ Acted<TissueChange> SoftTissue::carry_out_act(const Command& command) {
                                std::is_same_v<Act, SutureCorner> || std::is_same_v<Act, SutureBetween> ||
                                std::is_same_v<Act, CutSuture>;
     constexpr bool is_cut = std::is_same_v<Act, Incise> || std::is_same_v<Act, InciseMore> ||
-                            std::is_same_v<Act, Undermine> || std::is_same_v<Act, Excise>;
-    if constexpr (is_hook) {
+                            std::is_same_v<Act, Undermine> || std::is_same_v<Act, Excise> ||
+                            std::is_same_v<Act, ExcisePiece> || std::is_same_v<Act, CutThrough>;
+    if constexpr (std::is_same_v<Act, InSpace>) {
+      return act_in_space(c);
+    } else if constexpr (is_hook) {
       Acted<TissueChange> made = hooks_.act(c);
       made.ends_redo = made.done && !std::is_same_v<Act, MoveHook>;
       if (made.done) publish_holding();

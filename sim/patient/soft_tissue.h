@@ -93,6 +93,10 @@ class SoftTissue {
   Acted<TissueChange> cut(const InciseMore&);
   Acted<TissueChange> cut(const Undermine&);
   Acted<TissueChange> cut(const Excise&);
+  Acted<TissueChange> cut(const ExcisePiece&);
+  Acted<TissueChange> cut(const CutThrough&);
+  /// The same act where its places lie (act_in_space.cpp).
+  Acted<TissueChange> act_in_space(const InSpace&);
   /// What of the stroke that is being drawn can be cut by now; refused: nothing has changed.
   Acted<TissueChange> cut_on(bool last);
   CutResult cut_stroke(TissueCut& cut, const std::vector<ChartPoint>& path, double depth_mm, double angle_deg,

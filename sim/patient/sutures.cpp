@@ -67,7 +67,9 @@ std::optional<Anchor> Sutures::bite_at(const SurfacePoint& rim, double depth_mm,
   return anchor;
 }
 
-std::optional<Anchor> Sutures::find_bite(const ChartPoint& p, double depth_mm, std::string& reason) const {
+std::optional<Anchor> Sutures::find_bite(const ChartPoint& p, double depth_mm, std::string& reason,
+                                         HeldSide side) const {
+  if (side != HeldSide::skin) return tissue_.find_in_wall(p, side, reason);
   if (!(depth_mm > 0)) return tissue_.find_anchor(p, true, reason);
   const auto skin = tissue_.find_skin(p, reason);
   if (!skin) return std::nullopt;
@@ -266,9 +268,9 @@ void Sutures::drop_thread(int32_t thread) {
 
 Outcome Sutures::act(const Suture& c) {
   std::string reason;
-  const auto a = find_bite(c.a, c.depth_mm, reason);
+  const auto a = find_bite(c.a, c.depth_mm, reason, c.side_a);
   if (!a) return {false, reason};
-  const auto b = find_bite(c.b, c.depth_mm, reason);
+  const auto b = find_bite(c.b, c.depth_mm, reason, c.side_b);
   if (!b) return {false, reason};
   for (const Stitch& s : holding_.stitches)  // first: a stitch that is tight has its two ends in one place
     if (s.across() && joins(s, *a, *b))

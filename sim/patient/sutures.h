@@ -38,7 +38,8 @@ class Sutures {
 
  private:
   /// Of a stitch's bite: on the rim near p, or so deep in the wall below it.
-  std::optional<Anchor> find_bite(const ChartPoint& p, double depth_mm, std::string& reason) const;
+  std::optional<Anchor> find_bite(const ChartPoint& p, double depth_mm, std::string& reason,
+                                  HeldSide side = HeldSide::skin) const;
   std::optional<Anchor> bite_at(const SurfacePoint& rim, double depth_mm, std::string& reason) const;
   /// Index into the stitches.
   std::optional<size_t> find_stitch(const StitchPick& pick, std::string& reason) const;

@@ -1,5 +1,7 @@
 #include "sim/patient/tissue.h"
 
+#include <fmt/format.h>
+
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/cutting/strokes/blade_build.h"
@@ -55,7 +57,8 @@ BladeContext Tissue::blade_context() const {
   BladeContext c;
   c.body = body_.get();
   c.arrangement = arrangement_.get();
-  c.skin = [this](const ChartPoint& p) { return skin_->at(p); };
+  c.skin = [this](const ChartPoint& p) { return skin_at(p); };
+  c.view = look_ ? look_->view : nullptr;
   c.gradient = [this](const SkinHit& hit) -> Mat3 {
     const auto at = version_.index->locate(hit.X_mm, hit.triangle, 1e-2);
     if (!at) return Mat3::Identity();
@@ -69,7 +72,7 @@ BladeContext Tissue::blade_context() const {
 std::optional<SurfacePoint> Tissue::find_skin(const ChartPoint& p, std::string& reason) const {
   if (!p.allFinite())
     return reason = "the point is not a number; two finite coordinates in mm were expected", std::nullopt;
-  const auto hit = skin_->at(p);
+  const auto hit = skin_at(p);
   if (!hit)
     return reason = "point " + at_text(p) + " lies off the skin; a point on the skin was expected", std::nullopt;
   auto point = version_.index->locate(hit->X_mm, hit->triangle, 1e-2);
@@ -85,6 +88,22 @@ std::optional<Anchor> Tissue::find_anchor(const ChartPoint& p, bool on_rim, std:
     if (const auto rim = version_.index->snap_to_rim(*point, kStitchReach_mm)) point = rim;
   Anchor anchor = make_anchor(version_.surface->view, *version_.index, *point);
   anchor.embedded = embed(anchor.at);
+  return anchor;
+}
+
+std::optional<Anchor> Tissue::find_in_wall(const ChartPoint& p, HeldSide side, std::string& reason) const {
+  if (!look_)
+    return reason = fmt::format("\"{}\" of a point on the chart; a place [x, y, z] on the cut face was expected",
+                                kHeldSides[size_t(side)]),
+           std::nullopt;
+  const Vec3 X = look_->place_mm(p);
+  auto anchor = make_wall_anchor(version_.surface->view, *version_.index, *skin_, X, side);
+  if (anchor) anchor->embedded = embed(anchor->at);
+  if (!anchor)
+    reason = fmt::format(
+        "there is no cut face of the kind \"{}\" within {:g} mm of ({:.2f}, {:.2f}, {:.2f}) mm; a place on one, where "
+        "it lay at rest, was expected",
+        kHeldSides[size_t(side)], kWallReach_mm, X.x(), X.y(), X.z());
   return anchor;
 }
 

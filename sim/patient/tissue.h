@@ -14,6 +14,7 @@
 #include <string>
 
 #include "sim/body/skin.h"
+#include "sim/commands/skin_acts.h"
 #include "sim/cutting/arrangement/arrangement.h"
 #include "sim/lattice/fem_assembly.h"
 #include "sim/patient/point_depths.h"
@@ -43,9 +44,19 @@ class Tissue {
   /// What a blade is built from.
   BladeContext blade_context() const;
 
+  /// How the act that is carried out finds its places; null: on the body's chart. Whoever sets it takes it away again.
+  struct Look {
+    const SkinView* view = nullptr;  // of cuts: a plane of their own
+    std::function<std::optional<SkinHit>(const ChartPoint&)> skin;
+    std::function<Vec3(const ChartPoint&)> place_mm;  // as it was given, at rest
+  };
+  void look(const Look* look) { look_ = look; }
+
   std::optional<SurfacePoint> find_skin(const ChartPoint& p, std::string& reason) const;
   /// on_rim: on the wound's edge, where one is within kStitchReach_mm.
   std::optional<Anchor> find_anchor(const ChartPoint& p, bool on_rim, std::string& reason) const;
+  /// In a cut face of that kind, within kWallReach_mm of a place that was given in space.
+  std::optional<Anchor> find_in_wall(const ChartPoint& p, HeldSide side, std::string& reason) const;
   EmbeddedPoint embed(const SurfacePoint& p) const;
   /// The places of the patch of skin around it that share what acts there (skin_patch.h).
   std::vector<HeldPlace> embed_patch(const Anchor& anchor, double radius_mm) const;
@@ -74,6 +85,8 @@ class Tissue {
     std::shared_ptr<const RestIndex> index;
     SharedArray<uint8_t> on_skin;
   };
+  /// The place of the skin that p names, on the chart or as the act looks at it.
+  std::optional<SkinHit> skin_at(const ChartPoint& p) const { return look_ ? look_->skin(p) : skin_->at(p); }
   Drawn draw_surface();
   void make_surface(TissueVersion& next, Drawn drawn);  // with its embedding in next.lattice
 
@@ -85,6 +98,7 @@ class Tissue {
   std::unique_ptr<StencilTable> stencils_;
   TissueVersion version_;
   std::unique_ptr<ElasticSolver> solver_;
+  const Look* look_ = nullptr;
   PointDepths depths_;
   double initial_volume_mm3_ = 0;
   uint64_t next_version_ = 1;

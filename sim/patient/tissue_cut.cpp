@@ -61,13 +61,26 @@ CutResult TissueCut::cut(const Blade& blade, uint64_t seed, const std::optional<
 Outcome TissueCut::take_out(const Vec3& at_mm) {
   if (!steps_.empty())
     if (const Outcome o = follow(); !o.done) return o;
+  return take(arrangement_.loose_component_near(at_mm, 0.01),
+              "the tissue inside the outline is still attached; walls that reach through, or undermining below it, "
+              "were expected");
+}
+
+Outcome TissueCut::take_out(const SurfacePoint& touched) {
+  const std::vector<SurfaceComponent>& all = arrangement_.components();
+  const int32_t c = arrangement_.component_of(tissue_.surface().view.sided_face[size_t(touched.triangle)]);
+  const bool held = c < 0 || all[size_t(c)].touches_fixed;
+  const bool most = c >= 0 && 2 * all[size_t(c)].volume_mm3 > arrangement_.volume_mm3();
+  return take(held || most ? -1 : c,
+              "the tissue there is still attached; a piece that cuts have freed all round was expected (incise round it "
+              "and undermine it, or give \"outline\" and \"depth_mm\")");
+}
+
+Outcome TissueCut::take(int32_t component, const char* attached) {
   CutStep step;
-  step.excised = arrangement_.loose_component_near(at_mm, 0.01);
-  const ExciseResult taken = step.excised < 0 ? ExciseResult{} : arrangement_.excise(step.excised);
-  if (!taken.done)
-    return {false,
-            "the tissue inside the outline is still attached; walls that reach through, or undermining below it, were "
-            "expected"};
+  step.excised = component;
+  const ExciseResult taken = component < 0 ? ExciseResult{} : arrangement_.excise(component);
+  if (!taken.done) return {false, taken.reason.empty() ? attached : taken.reason};
   step.debris = arrangement_.sweep_debris(kDebris_mm3);
   step.taken_mm3 = taken.volume_mm3;
   step.hash_after = arrangement_.hash();

@@ -46,6 +46,8 @@ class TissueCut {
   CutResult cut(const Blade& blade, uint64_t seed, const std::optional<Vec3>& take_out_mm = {});
   /// Takes out what is loose there.
   Outcome take_out(const Vec3& at_mm);
+  /// Takes out the piece that this point of the present surface belongs to; refused while it is held or is the patient.
+  Outcome take_out(const SurfacePoint& touched);
   /// The same blade, seed and try on the same state; false: other bits came of it, a defect.
   bool again(const CutStep& step);
 
@@ -65,6 +67,7 @@ class TissueCut {
 
  private:
   Outcome follow();
+  Outcome take(int32_t component, const char* attached);
   void back_to(int32_t operations);
 
   Tissue& tissue_;

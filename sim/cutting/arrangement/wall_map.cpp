@@ -8,6 +8,12 @@
 
 namespace limberg {
 
+namespace {
+
+constexpr double kUnseen_mm = 1e9;
+
+}  // namespace
+
 WallMap::WallMap(const BladeContext& context, int32_t end) : context_(context) {
   if (!context.arrangement) return;
   const Arrangement& a = *context.arrangement;
@@ -70,7 +76,8 @@ WallMap::WallMap(const BladeContext& context, int32_t end) : context_(context) {
     const Vec3 x = a.point_mm(top.point);
     if (foot.level > top.level) c.down = (a.point_mm(foot.point) - x) / (foot.level - top.level);
     c.X_mm = x - c.down * top.level;
-    c.chart = context.body->to_chart(c.X_mm);
+    // One that is not seen lies nowhere near.
+    c.chart = context.shows(c.X_mm, -c.down) ? context.chart().to_chart(c.X_mm) : Vec2(kUnseen_mm, kUnseen_mm);
   }
   for (WallStrip& t : strip_) {
     t.live = is_front(t.front[0], t.front[1]);

@@ -14,13 +14,16 @@ WoundMap::WoundMap(const BladeContext& context) {
   const ArrangementStore& s = a.store();
   std::vector<std::pair<int32_t, int32_t>> ends;  // point, edge
   const int32_t body = s.op.size() > 1 ? s.op[1].first_orig : 0;
+  const Chart chart = context.chart();
   for (int32_t o = 0; o < body; ++o) {
     if (s.orig[o].split < 0 || s.orig[o].live == 0 || a.kind_of_orig(o) != FaceKind::skin) continue;
+    const auto& plane = s.orig[o].plane;
+    const Vec3 normal(double(plane.n[0]), double(plane.n[1]), double(plane.n[2]));
     for (const Constraint& c : a.constraints_of(o))
-      if (s.edges.first(c.a, c.b) >= 0) {
+      if (s.edges.first(c.a, c.b) >= 0 && context.shows(a.point_mm(c.a), normal)) {
         ends.push_back({c.a, int32_t(edge_.size())});
         ends.push_back({c.b, int32_t(edge_.size())});
-        edge_.push_back({context.body->to_chart(a.point_mm(c.a)), context.body->to_chart(a.point_mm(c.b))});
+        edge_.push_back({chart.to_chart(a.point_mm(c.a)), chart.to_chart(a.point_mm(c.b))});
       }
   }
   std::sort(ends.begin(), ends.end());
@@ -28,7 +31,7 @@ WoundMap::WoundMap(const BladeContext& context) {
     if ((i > 0 && ends[i - 1].first == ends[i].first) || (i + 1 < ends.size() && ends[i + 1].first == ends[i].first))
       continue;
     const WoundEdge& e = edge_[size_t(ends[i].second)];
-    const Vec2 p = context.body->to_chart(a.point_mm(ends[i].first));
+    const Vec2 p = chart.to_chart(a.point_mm(ends[i].first));
     const Vec2 d = (p - e.a).squaredNorm() < (p - e.b).squaredNorm() ? e.b - e.a : e.a - e.b;
     if (d.norm() > 0) end_.push_back({p, d.normalized()});
   }

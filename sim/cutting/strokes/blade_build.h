@@ -14,9 +14,12 @@
 #include <string>
 
 #include "sim/body/body.h"
+#include "sim/body/skin_view.h"
 #include "sim/cutting/arrangement/arrangement.h"
 
 namespace limberg {
+
+class Skin;
 
 inline constexpr double kWallExtra = 0.15, kSheetRaise = 0.15, kOvershoot = 0.1, kMargin = 1.0;
 inline constexpr double kSnap = 0.5;     // a stroke that ends this near to an earlier cut is meant to end on it
@@ -43,11 +46,27 @@ struct BladeContext {
   const Arrangement* arrangement = nullptr;  // for T-junctions
   SkinQuery skin;
   GradientQuery gradient = {};  // empty: the skin lies as at rest
+  // How an act at places in space looks at the skin; null: from the front, on the body's chart.
+  const SkinView* view = nullptr;
+
+  Chart chart() const { return view ? view->chart : body->chart(); }
+  /// Whether a place of the skin belongs to what is seen.
+  bool shows(const Vec3& X_mm, const Vec3& normal) const { return !view || view->shows(X_mm, normal); }
 };
 
 /// Walls and floor under a closed outline as one open box: what excision cuts. The outline need not repeat its first
 /// point.
 BladeResult build_plug(const BladeContext& context, std::span<const ChartPoint> outline, double depth_mm);
+
+/// A blade through the body from one side to the other, through the places of context.view: columns along the normals
+/// (out of the skin, one for each place; none: those of the skin), even between two of them, from above the skin to
+/// beyond the other side, which is the first way out along each. An open end goes on over the body's free margin; a
+/// closed one that lies beside an earlier cut is pushed through its wall. `skin` is that of the body.
+struct ThroughCut {
+  std::span<const Vec3> normals = {};
+  bool open_start = false, open_end = false;
+};
+BladeResult build_through(const BladeContext& context, const Skin& skin, const ThroughCut& cut);
 
 /// A sheet under an outline. Where the outline runs along an earlier cut it is widened beyond its wall.
 BladeResult build_undermining(const BladeContext& context, std::span<const ChartPoint> outline, double depth_mm);

@@ -18,7 +18,8 @@ bool blades_alike(const BladeContext& c, const WallMap& walls, const WallMap::Al
                   double lean) {
   const auto k = column_at(c, p);
   if (!k) return false;
-  const Vec3 along = (c.body->chart_e1 * way.x() + c.body->chart_e2 * way.y());
+  const Chart chart = c.chart();
+  const Vec3 along = chart.e1 * way.x() + chart.e2 * way.y();
   const WallStrip& t = walls.strips()[size_t(at.strip)];
   const auto on_wall = [&](const Vec3& blade) {
     return std::all_of(t.column.begin(), t.column.end(), [&](int32_t i) {

@@ -1,0 +1,191 @@
+// Through and through: a ruled blade from one side of a lip, a lid or an ear to the other.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/body/skin.h"
+#include "sim/cutting/arrangement/tri_tests.h"
+#include "sim/cutting/strokes/blade_parts.h"
+
+namespace limberg {
+namespace {
+
+constexpr double kThickest_mm = 40;     // a lip is 8 to 15, a nose or a cheek up to 30: beyond, nobody cuts through
+constexpr double kMarginReach_mm = 12;  // so far from the last post a free margin is looked for
+constexpr double kMarginStep_mm = 0.75;
+constexpr double kBesideCut_mm = 1.0;  // a closed end this near to an earlier cut joins it
+
+/// One column of the ruled blade.
+struct Ruling {
+  Vec3 X = Vec3::Zero(), out = Vec3::UnitZ();  // on the skin; unit, away from it
+  double through_mm = 0;                       // to the other side
+  bool drawn = true;                           // between the posts
+};
+
+std::string place_text(const Vec3& X) { return fmt::format("({:.2f}, {:.2f}, {:.2f}) mm", X.x(), X.y(), X.z()); }
+
+/// Where the line through X along `out` meets the skin from outside, nearest to X, and how thick the body is there.
+std::optional<Ruling> ruling_at(const Skin& skin, const Vec3& X, const Vec3& out, double reach_mm) {
+  const auto hits = skin.surface().line(X + reach_mm * out, -out, 0, 2 * reach_mm + kThickest_mm);
+  std::optional<Ruling> best;
+  double least = 1e300;
+  for (size_t i = 0; i < hits.size(); ++i) {
+    const double off = std::abs(hits[i].t - reach_mm);
+    if (!hits[i].from_outside || off > reach_mm || off >= least) continue;
+    const auto exit = std::find_if(hits.begin() + std::ptrdiff_t(i), hits.end(),
+                                   [&](const Bvh::LineHit& h) { return !h.from_outside && h.t > hits[i].t + 1e-6; });
+    if (exit == hits.end() || exit->t - hits[i].t > kThickest_mm) continue;
+    least = off;
+    best = Ruling{X + (reach_mm - hits[i].t) * out, out, exit->t - hits[i].t, true};
+  }
+  return best;
+}
+
+/// Whether the ruling, as long as its neighbour's, meets the body nowhere.
+bool clear(const Skin& skin, const Vec3& X, const Ruling& beside, double margin) {
+  return skin.surface().line(X + margin * beside.out, -beside.out, 0, beside.through_mm + 2 * margin).empty();
+}
+
+/// Rulings beyond an end, as the last one moved on along `way`: to where the body ends; empty when it goes on.
+std::vector<Ruling> over_margin(const Skin& skin, const Ruling& last, const Vec3& way, double margin) {
+  std::vector<Ruling> out;
+  for (double s = kMarginStep_mm; s <= kMarginReach_mm; s += kMarginStep_mm) {
+    Ruling next = last;
+    next.drawn = false;
+    next.X += s * way;
+    const bool outside = clear(skin, next.X, last, margin);
+    out.push_back(next);
+    if (!outside) continue;
+    next.X += margin * way;
+    out.push_back(next);
+    return out;
+  }
+  return {};
+}
+
+Blade strip_of(const BladeContext& c, std::span<const Ruling> rulings, double margin) {
+  const size_t n = rulings.size();
+  // As deep as the deepest neighbour, so that the foot of a column between two thicker places is out as well.
+  std::vector<double> depth(n);
+  double deepest = 0;
+  for (size_t i = 0; i < n; ++i) {
+    depth[i] = rulings[i].through_mm;
+    for (const size_t k : {i > 0 ? i - 1 : i, i + 1 < n ? i + 1 : i})
+      depth[i] = std::max(depth[i], std::min(rulings[k].through_mm, 1.5 * rulings[i].through_mm + margin));
+    depth[i] += margin;
+    deepest = std::max(deepest, depth[i] + margin);
+  }
+  const int rows = std::max(2, int(std::ceil(deepest / kRowHeight)));
+  Blade blade;
+  const auto level = [&](size_t i, int r) { return (depth[i] + margin) * r / rows - margin; };
+  std::vector<double> arc(n, 0);
+  for (size_t i = 0; i < n; ++i) {
+    if (i > 0) arc[i] = arc[i - 1] + (rulings[i].X - rulings[i - 1].X).norm();
+    for (int r = 0; r <= rows; ++r)
+      blade.vertex.push_back(c.body->grid.to_grid(rulings[i].X - rulings[i].out * level(i, r)));
+  }
+  const auto id = [&](size_t i, int r) { return int32_t(i) * (rows + 1) + r; };
+  const auto uv = [&](size_t i, int r) { return Eigen::Vector2f(float(arc[i]), float(level(i, r))); };
+  for (size_t i = 0; i + 1 < n; ++i)
+    for (int r = 0; r < rows; ++r) {
+      const size_t j = i + 1;
+      blade.tri.push_back({id(i, r), id(i, r + 1), id(j, r)});
+      blade.uv_mm.push_back({uv(i, r), uv(i, r + 1), uv(j, r)});
+      blade.tri.push_back({id(i, r + 1), id(j, r + 1), id(j, r)});
+      blade.uv_mm.push_back({uv(i, r + 1), uv(j, r + 1), uv(j, r)});
+      const bool drawn = rulings[i].drawn && rulings[j].drawn && std::min(level(i, r), level(j, r)) <= 0;
+      blade.seed.push_back(drawn);
+      blade.seed.push_back(drawn);
+    }
+  return blade;
+}
+
+/// Rulings turned towards their common mean, as stiffened() does with columns.
+std::vector<Vec3> directions(std::span<const Ruling> rulings, double share) {
+  std::vector<Column> columns;
+  for (const Ruling& r : rulings) columns.push_back({r.X, r.out});
+  std::vector<Vec3> out;
+  for (const Column& k : stiffened(columns, share)) out.push_back(k.normal);
+  return out;
+}
+
+}  // namespace
+
+BladeResult build_through(const BladeContext& c, const Skin& skin, const ThroughCut& cut) {
+  const SkinView& view = *c.view;
+  if (view.place.size() < 2) return refuse("a cut right through with less than two posts; expected at least two");
+  std::vector<Ruling> drawn;
+  double length = 0;
+  for (size_t i = 0; i < view.place.size(); ++i) {
+    const Vec3 X = view.place[i];
+    const Vec3 out = cut.normals.empty() ? skin.frame(X).normal : cut.normals[i].normalized();
+    if (!drawn.empty()) {
+      const Ruling from = drawn.back();
+      const double way = (X - from.X).norm();
+      length += way;
+      const int parts = equal_parts(way, kSpacing);
+      for (int k = 1; k < parts; ++k) {
+        const double t = double(k) / parts;
+        drawn.push_back({(1 - t) * from.X + t * X, ((1 - t) * from.out + t * out).normalized(), 0, true});
+      }
+    }
+    drawn.push_back({X, out, 0, true});
+  }
+  if (length < kShortest)
+    return refuse(fmt::format("a cut right through of {:.2f} mm; expected at least {:g}", length, kShortest));
+  const double margin = margin_of(c);
+  std::string why;
+  for (const double stiffness : kStiffness) {
+    const std::vector<Vec3> out = directions(drawn, stiffness);
+    std::vector<Ruling> rulings;
+    why.clear();
+    for (size_t i = 0; i < drawn.size() && why.empty(); ++i) {
+      // Chords of a curved skin run below it, or over a hollow.
+      const auto r = ruling_at(skin, drawn[i].X, out[i], 0.5 * length + kOffSkin_mm);
+      if (r)
+        rulings.push_back(*r);
+      else
+        why = fmt::format(
+            "at {} the blade does not come out on the other side within {:g} mm; a part of the body with "
+            "two free sides was expected",
+            place_text(drawn[i].X), kThickest_mm);
+    }
+    if (!why.empty()) continue;
+    std::vector<Ruling> all;
+    const auto end = [&](bool open, const Ruling& last, const Ruling& before, const char* name) {
+      std::vector<Ruling> beyond;
+      Vec3 way = last.X - before.X;
+      way = (way - way.dot(last.out) * last.out).normalized();
+      if (open) {
+        beyond = over_margin(skin, last, way, margin);
+        if (beyond.empty())
+          why = fmt::format("\"{}\": no free margin within {:g} mm of {}; a post nearer to the margin was expected",
+                            name, kMarginReach_mm, place_text(last.X));
+      } else if (const WoundMap wounds(c); !wounds.empty()) {
+        const double near = wounds.nearest(view.chart.to_chart(last.X)).distance;
+        Ruling on = last;
+        on.X += (near + overshoot_of(c)) * way, on.drawn = false;
+        if (near <= kBesideCut_mm) beyond.push_back(on);
+      }
+      return beyond;
+    };
+    std::vector<Ruling> before = end(cut.open_start, rulings[0], rulings[1], "open_start");
+    const std::vector<Ruling> after = end(cut.open_end, rulings.back(), rulings[rulings.size() - 2], "open_end");
+    if (!why.empty()) return refuse(why);
+    std::reverse(before.begin(), before.end());
+    all = before;
+    all.insert(all.end(), rulings.begin(), rulings.end());
+    all.insert(all.end(), after.begin(), after.end());
+    Blade blade = strip_of(c, all, margin);
+    if (!check_embedded(blade.vertex, blade.tri).empty()) {
+      why = "the blade would run through itself; expected directions that turn less between the posts";
+      continue;
+    }
+    if (const std::string off = fits_grid(c, blade); !off.empty()) return refuse(off);
+    return {std::move(blade), {}};
+  }
+  return refuse(why);
+}
+
+}  // namespace limberg
