@@ -47,6 +47,7 @@ int run_main(int argc, char** argv) {
   add_devices(app, chosen);
   add_fit(app, chosen);
   add_patient(app, chosen);
+  add_import(app, chosen);
   add_export(app, chosen);
   add_superpose(app, chosen);
   add_measures(app, chosen);

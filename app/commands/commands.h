@@ -32,6 +32,7 @@ void add_calibrate(CLI::App& app, Chosen& chosen);
 void add_devices(CLI::App& app, Chosen& chosen);
 void add_fit(CLI::App& app, Chosen& chosen);
 void add_patient(CLI::App& app, Chosen& chosen);
+void add_import(CLI::App& app, Chosen& chosen);
 void add_export(CLI::App& app, Chosen& chosen);
 void add_superpose(CLI::App& app, Chosen& chosen);
 void add_design(CLI::App& app, Chosen& chosen);

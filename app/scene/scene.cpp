@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <initializer_list>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <sstream>
@@ -26,6 +27,34 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr size_t kMaxBytes = 1 << 20;
+
+/// [[body.tag]]: what the faces of each material are.
+void read_tags(Table& t, Scene& s) {
+  const toml::node* n = t.node("tag");
+  if (!n) return;
+  const toml::array* all = n->as_array();
+  if (!all || all->empty() || all->size() > 1000)
+    t.fail("tag", "is no list of 1 to 1000 tables; expected [[body.tag]] with material and what");
+  for (const char* key : {"deep_direction", "deep_angle_deg", "deep_center_mm", "deep_plane_mm"})
+    if (t.has(key)) t.fail(key, "says what is held, and so do the tags of the materials; expected one of them");
+  for (const toml::node& e : *all) {
+    if (!e.is_table()) t.fail("tag", "holds something else than tables; expected [[body.tag]] with material and what");
+    Table one(e.as_table(), "body.tag", s.path);
+    ObjTag tag;
+    std::string what;
+    for (const char* key : {"material", "what"})
+      if (!one.has(key)) one.fail(key, "is missing; expected the name of a material, and what its faces are");
+    one.text("material", tag.material, 200), one.text("what", what);
+    const auto* known = std::find(std::begin(kObjTagNames), std::end(kObjTagNames), what);
+    if (known == std::end(kObjTagNames))
+      one.fail("what", "is of no known kind; expected \"skin\", \"mucosa\", \"held\", \"held_softly\" or \"cut\"");
+    tag.what = ObjTag::What(known - std::begin(kObjTagNames));
+    for (const ObjTag& other : s.obj.tags)
+      if (other.material == tag.material) one.fail("material", "is tagged twice; expected each material once");
+    one.finish();
+    s.obj.tags.push_back(std::move(tag));
+  }
+}
 
 void read_body(Table t, Scene& s, const std::string& file) {
   if (!t.present()) throw InputError(file, 0, "[body] is missing; expected source = \"block\" or \"obj\"");
@@ -61,6 +90,7 @@ void read_body(Table t, Scene& s, const std::string& file) {
         s.texture = (fs::path(file).parent_path() / s.texture).lexically_normal().string();
     }
     t.real("scale_to_mm", s.obj.scale_to_mm, 0, 1e6, true);
+    read_tags(t, s);
     t.direction("deep_direction", s.obj.deep_direction);
     t.real("deep_angle_deg", s.obj.deep_angle_deg, 0, 180);
     if (t.has("deep_center_mm")) t.vector("deep_center_mm", s.obj.deep_center_mm.emplace(Vec3::Zero()), 1e6);

@@ -10,6 +10,7 @@
 
 #include "sim/base/elementary.h"
 #include "sim/base/error.h"
+#include "sim/base/quoted.h"
 #include "sim/base/whole_file.h"
 #include "sim/body/block.h"
 #include "sim/geometry/io/obj_text.h"
@@ -23,7 +24,7 @@ struct RawMesh {
   std::vector<Vec3> v;
   std::vector<Eigen::Vector2f> vt;
   std::vector<std::array<Corner, 3>> tri;
-  std::vector<int32_t> line;  // per triangle
+  std::vector<int32_t> line, material;  // per triangle
 };
 
 // Cuts a polygon into triangles by clipping ears in the plane of its mean (Newell) normal.
@@ -70,10 +71,10 @@ class Clipper {
   std::vector<int> ring_;
 };
 
-RawMesh cut_into_triangles(ObjText text, const std::string& file) {
+RawMesh cut_into_triangles(ObjText& text, const std::string& file) {
   if (text.v.empty()) throw InputError(file, 0, "no vertices; expected an OBJ file with v and f statements");
   if (text.face.empty()) throw InputError(file, 0, "no faces; expected an OBJ file with v and f statements");
-  RawMesh mesh{std::move(text.v), std::move(text.vt), {}, {}};
+  RawMesh mesh{std::move(text.v), std::move(text.vt), {}, {}, {}};
   Clipper clip;
   std::vector<Vec3> points;
   std::vector<std::array<int, 3>> ears;
@@ -94,6 +95,7 @@ RawMesh cut_into_triangles(ObjText text, const std::string& file) {
     for (const auto& e : ears) {
       mesh.tri.push_back({corner[e[0]], corner[e[1]], corner[e[2]]});
       mesh.line.push_back(f.line);
+      mesh.material.push_back(f.material);
     }
   }
   return mesh;
@@ -112,8 +114,9 @@ void check(const ObjSpec& s) {
   if (!s.tension_direction.allFinite() || s.tension_direction.norm() < 1e-9) fail("tension direction must not be zero");
 }
 
-// Snaps, welds and drops what collapses. Fills body.grid, body.surface and lines.
-void to_grid(RawMesh& raw, const ObjSpec& spec, Body& body, std::vector<int32_t>& lines) {
+// Snaps, welds and drops what collapses. Fills body.grid, body.surface, and of its triangles lines and materials.
+void to_grid(RawMesh& raw, const ObjSpec& spec, Body& body, std::vector<int32_t>& lines,
+             std::vector<int32_t>& materials) {
   std::vector<uint8_t> used(raw.v.size(), 0);
   for (const auto& t : raw.tri)
     for (const Corner& c : t) used[size_t(c.v)] = 1;
@@ -169,9 +172,59 @@ void to_grid(RawMesh& raw, const ObjSpec& spec, Body& body, std::vector<int32_t>
     m.tri.push_back(tri);
     m.uv.push_back(uv);
     lines.push_back(raw.line[t]);
+    materials.push_back(raw.material[t]);
   }
   if (m.tri.empty())
     throw InputError(spec.path, 0, "every face collapses on the rest grid; expected a surface (is the scale right?)");
+}
+
+void tag_by_direction(TriMesh& m, const ObjSpec& spec) {
+  const Vec3 deep = spec.deep_direction.normalized();
+  const double c = elementary::cos(spec.deep_angle_deg * std::numbers::pi / 180);
+  for (const Tri& t : m.tri) {
+    const Vec3 &p = m.X_mm[size_t(t[0])], &q = m.X_mm[size_t(t[1])], &r = m.X_mm[size_t(t[2])];
+    const bool beyond = std::min({p.dot(deep), q.dot(deep), r.dot(deep)}) > spec.deep_plane_mm;
+    const Vec3 inwards = spec.deep_center_mm ? (*spec.deep_center_mm - (p + q + r) / 3).normalized() : deep;
+    const bool held = beyond || area_vector2(p, q, r).normalized().dot(inwards) > c;
+    m.tag.push_back(held ? SurfaceTag::fixed : SurfaceTag::skin);
+  }
+}
+
+SurfaceTag tag_of(ObjTag::What what) {
+  switch (what) {
+    case ObjTag::What::skin:
+    case ObjTag::What::mucosa:
+      return SurfaceTag::skin;
+    case ObjTag::What::held:
+    case ObjTag::What::held_softly:
+      return SurfaceTag::fixed;
+    case ObjTag::What::cut:
+      break;
+  }
+  return SurfaceTag::free;
+}
+
+void tag_by_material(TriMesh& m, const ObjSpec& spec, const std::vector<std::string>& names,
+                     const std::vector<int32_t>& material, const std::vector<int32_t>& lines) {
+  std::vector<const ObjTag*> of(names.size(), nullptr);
+  for (const ObjTag& tag : spec.tags) {
+    const auto at = std::find(names.begin(), names.end(), tag.material);
+    if (at == names.end())
+      throw InputError(spec.path, 0,
+                       "has no faces of material " + limberg::quoted(tag.material) + ", which is tagged; expected usemtl " +
+                           limberg::quoted(tag.material));
+    of[size_t(at - names.begin())] = &tag;
+  }
+  for (size_t t = 0; t < m.tri.size(); ++t) {
+    const ObjTag* tag = material[t] >= 0 ? of[size_t(material[t])] : nullptr;
+    if (!tag)
+      throw InputError(spec.path, lines[t],
+                       material[t] < 0 ? "a face before the first usemtl, in a surface whose materials are tagged; "
+                                         "expected a material"
+                                       : "a face of material " + limberg::quoted(names[size_t(material[t])]) +
+                                             ", which is not tagged; expected a [[body.tag]] for it");
+    m.tag.push_back(tag_of(tag->what));
+  }
 }
 
 }  // namespace
@@ -180,28 +233,24 @@ Body parse_obj(std::string_view text, const ObjSpec& spec, SurfaceReport* report
   check(spec);
   if (text.size() > ObjLimits::file_bytes) throw InputError(spec.path, 0, "the file is larger than 512 MB");
   constexpr ObjTextLimits kLimits{ObjLimits::vertices, ObjLimits::triangles, ObjLimits::polygon_corners};
-  RawMesh raw = cut_into_triangles(parse_obj_text(text, spec.path, kLimits), spec.path);
+  ObjText read = parse_obj_text(text, spec.path, kLimits);
+  RawMesh raw = cut_into_triangles(read, spec.path);
   Body body;
-  std::vector<int32_t> lines;
-  to_grid(raw, spec, body, lines);
+  std::vector<int32_t> lines, materials;
+  to_grid(raw, spec, body, lines, materials);
   const SurfaceReport found = validate_surface(body.surface, body.grid, spec.path, lines);
   if (report) *report = found;
 
   TriMesh& m = body.surface;
-  const Vec3 deep = spec.deep_direction.normalized();
-  const double c = elementary::cos(spec.deep_angle_deg * std::numbers::pi / 180);
-  bool any_skin = false;
-  for (const Tri& t : m.tri) {
-    const Vec3 &p = m.X_mm[size_t(t[0])], &q = m.X_mm[size_t(t[1])], &r = m.X_mm[size_t(t[2])];
-    const bool beyond = std::min({p.dot(deep), q.dot(deep), r.dot(deep)}) > spec.deep_plane_mm;
-    const Vec3 inwards = spec.deep_center_mm ? (*spec.deep_center_mm - (p + q + r) / 3).normalized() : deep;
-    const bool held = beyond || area_vector2(p, q, r).normalized().dot(inwards) > c;
-    m.tag.push_back(held ? SurfaceTag::fixed : SurfaceTag::skin);
-    any_skin = any_skin || !held;
-  }
-  if (!any_skin)
+  if (spec.tags.empty())
+    tag_by_direction(m, spec);
+  else
+    tag_by_material(m, spec, read.material, materials, lines);
+  if (std::find(m.tag.begin(), m.tag.end(), SurfaceTag::skin) == m.tag.end())
     throw InputError(spec.path, 0,
-                     "the deep side covers the whole surface; expected some skin (see deep_direction, deep_angle_deg)");
+                     spec.tags.empty()
+                         ? "the deep side covers the whole surface; expected some skin (see deep_direction, deep_angle_deg)"
+                         : "no face is tagged as skin or mucosa; expected some skin");
 
   body.name = std::filesystem::path(spec.path).stem().string();
   body.layers = spec.layers;

@@ -4,6 +4,7 @@
 // Polygons are cut into triangles in their own plane. Vertices are scaled to mm, snapped to the even rest grid (the
 // finest unit that the size allows), equal ones are welded, triangles that collapse by that are dropped, and the result
 // is validated exactly. geometry/io/obj_text.h says which statements are read.
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>
@@ -15,13 +16,29 @@
 
 namespace limberg {
 
+/// What the faces of one material of an OBJ are.
+struct ObjTag {
+  enum class What : uint8_t {
+    skin,         // free; can be cut, undermined and sewn
+    mucosa,       // the same, moist: of a lip, a lid, the nose
+    held,         // to bone: does not move
+    held_softly,  // where the body was cut out of a larger one. For now held as `held` is
+    cut           // free without skin: a bare bed, say
+  };
+  std::string material;  // as usemtl names it
+  What what = What::skin;
+};
+inline constexpr const char* kObjTagNames[] = {"skin", "mucosa", "held", "held_softly", "cut"};
+
 struct ObjSpec {
   std::string path;
   double scale_to_mm = 1;  // mm per unit of the file
   std::vector<Layer> layers;
   Vec3 tension_direction = Vec3::UnitX();
 
-  // What is held in place: triangles whose outward normal is within deep_angle_deg of deep_direction (or, when a centre
+  // What is held in place. By its materials, where these are tagged: every one that a face has must be.
+  std::vector<ObjTag> tags;
+  // Else by its directions: triangles whose outward normal is within deep_angle_deg of deep_direction (or, when a centre
   // is given, of the direction to that centre: the inner side of a shell around the skull), and triangles with all
   // corners beyond the plane { X : X . deep_direction = deep_plane_mm }. Everything else is skin.
   Vec3 deep_direction = -Vec3::UnitZ();

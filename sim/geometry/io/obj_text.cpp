@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <functional>
+#include <map>
 
 #include "sim/base/error.h"
 
@@ -72,7 +74,19 @@ class ObjParser {
       out_.vt.push_back(uv);
     } else if (key == "f") {
       face(l);
+    } else if (key == "usemtl") {
+      use(word(l));
     }
+  }
+
+  void use(std::string_view name) {
+    if (name.size() > 200) fail("the name of a material is longer than 200 bytes");
+    const auto known = material_.find(name);
+    if (known != material_.end()) return void(now_ = known->second);
+    if (out_.material.size() == limits_.materials) fail(fmt::format("more than {} materials", limits_.materials));
+    now_ = int32_t(out_.material.size());
+    out_.material.emplace_back(name);
+    material_.emplace(name, now_);
   }
 
   double real(std::string_view w, const char* what) const {
@@ -95,7 +109,7 @@ class ObjParser {
   }
 
   void face(std::string_view l) {
-    ObjText::Face f{out_.corner.size(), 0, line_};
+    ObjText::Face f{out_.corner.size(), 0, line_, now_};
     for (std::string_view w = word(l); !w.empty() && w[0] != '#'; w = word(l)) {
       const size_t s = w.find('/');
       ObjText::Corner c{index(w.substr(0, s), out_.v.size(), "vertex"), -1};
@@ -131,6 +145,8 @@ class ObjParser {
   const ObjTextLimits& limits_;
   int line_ = 0;
   size_t triangles_ = 0;
+  int32_t now_ = -1;  // material
+  std::map<std::string, int32_t, std::less<>> material_;
   ObjText out_;
 };
 

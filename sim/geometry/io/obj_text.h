@@ -1,9 +1,9 @@
 #pragma once
-// The statements v, vt and f of a Wavefront OBJ file: what every reader of such files begins with.
+// The statements v, vt, f and usemtl of a Wavefront OBJ file: what every reader of such files begins with.
 //
 // Read: triangles and polygons, v, v/vt, v//vn and v/vt/vn, negative indices (from the end so far), \r\n line ends,
-// # comments and line continuation by a backslash. Other statements (vn, s, g, o, usemtl, mtllib ...) are skipped. A
-// face may name points that follow it.
+// # comments and line continuation by a backslash. Other statements (vn, s, g, o, mtllib ...) are skipped. A face may
+// name points that follow it.
 #include <limits>
 #include <string>
 #include <string_view>
@@ -21,16 +21,19 @@ struct ObjText {
     size_t first = 0;    // of `corner`
     size_t corners = 0;  // at least 3
     int32_t line = 0;    // of the file
+    int32_t material = -1;  // of `material`; -1: before the first usemtl
   };
   std::vector<Vec3> v;
   std::vector<Eigen::Vector2f> vt;
   std::vector<Corner> corner;
   std::vector<Face> face;
+  std::vector<std::string> material;  // what usemtl names, each once, in the order of the file
 };
 
 struct ObjTextLimits {
   size_t vertices = 0, triangles = 0;  // a polygon of n corners counts as n - 2 triangles
   size_t polygon_corners = std::numeric_limits<size_t>::max();
+  size_t materials = 10'000;
   bool texture = true;  // false: texture coordinates are passed over, those of faces too
 };
 

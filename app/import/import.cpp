@@ -1,0 +1,145 @@
+#include "app/import/import.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "sim/base/error.h"
+#include "sim/base/quoted.h"
+#include "sim/base/whole_file.h"
+
+namespace limberg {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr size_t kMostModel = size_t(256) << 20, kMostText = size_t(16) << 20;
+// Files do not say their unit. A face of 20 to 30 units is one of centimetres; the peer's infant lips measure some 4.
+constexpr double kSmall_units = 10, kLarge_mm = 10, kSmall_mm = 20;
+
+std::string lower(std::string s) {
+  for (char& c : s) c = c >= 'A' && c <= 'Z' ? char(c + 32) : c;
+  return s;
+}
+
+/// A file of that name in one of the folders; upper and lower case are one where no name is exact. Empty: none.
+std::string look_for(const std::string& name, const std::vector<std::string>& folders) {
+  std::error_code ec;
+  for (const std::string& folder : folders)
+    if (const fs::path file = fs::path(folder) / name; fs::is_regular_file(file, ec)) return file.string();
+  for (const std::string& folder : folders)
+    for (fs::directory_iterator it(folder, ec), end; !ec && it != end; it.increment(ec))
+      if (lower(it->path().filename().string()) == lower(name) && it->is_regular_file(ec)) return it->path().string();
+  return {};
+}
+
+std::string needed(const std::string& name, const std::vector<std::string>& folders, const std::string& by, int line,
+                   const char* what) {
+  const std::string file = look_for(name, folders);
+  if (!file.empty()) return file;
+  std::string list;
+  for (const std::string& f : folders) list += (list.empty() ? "" : ", ") + (f.empty() ? "." : f);
+  throw InputError(by, line, limberg::quoted(name, 200) + " is not there; expected " + what + " in " + list + " (see --models)");
+}
+
+std::string safe_name(const std::string& stem) {
+  std::string s = stem.substr(0, 80);
+  for (char& c : s)
+    if (!((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_')) c = '_';
+  return s.empty() ? "operation" : s;
+}
+
+double largest_coordinate_span(const std::string& obj, const std::string& file, const PeerScene& scene) {
+  const PeerModel m = parse_peer_model(obj, file, scene, nullptr, "", 1);
+  return (m.high_mm - m.low_mm).maxCoeff();
+}
+
+std::vector<std::string> missing_of(const Imported& x) {
+  std::vector<std::string> out;
+  const auto list = [](const std::vector<std::string>& names) {
+    std::string s;
+    for (const std::string& n : names) s += (s.empty() ? "" : ", ") + n;
+    return s;
+  };
+  if (!x.scene.colliders.empty())
+    out.push_back("Nothing keeps tissue out of what lies behind it: " + list(x.scene.colliders) + ".");
+  if (!x.scene.scenery.empty()) out.push_back("Scenery is not drawn: " + list(x.scene.scenery) + ".");
+  if (!x.scene.volumes.empty())
+    out.push_back("Volumes of other tissue are as soft as the rest: " + list(x.scene.volumes) + ".");
+  if (x.scene.strain_most > 0)
+    out.push_back(fmt::format("The peer's limits of stretch, {:g} to {:g}, are not carried: our tissue stiffens by its law.",
+                              x.scene.strain_least, x.scene.strain_most));
+  out.push_back("What the peer holds softly, its periphery, is held fast.");
+  out.push_back("The skin has no tension of its own at rest, as the peer's has none.");
+  if (x.bed_file.empty())
+    out.push_back("There are no deep points: the skin is taken as 2 mm everywhere.");
+  else
+    out.push_back(fmt::format("The layer of skin has one thickness, the median of its deep points, {:.1f} mm; cuts go to the "
+                              "depth of their own places.",
+                              x.skin_mm));
+  out.push_back("Textures are pictures of a kind that our scenes do not take (JPEG): none is drawn.");
+  return out;
+}
+
+}  // namespace
+
+Imported import_peer(const ImportSettings& s) {
+  Imported x;
+  const fs::path input(s.input);
+  const std::string ending = lower(input.extension().string());
+  if (ending != ".hst" && ending != ".smd")
+    throw InputError(s.input, 0, "is neither a history nor a scene of the peer by its name; expected NAME.hst or NAME.smd");
+  std::vector<std::string> folders{input.parent_path().string().empty() ? "." : input.parent_path().string()};
+  folders.insert(folders.end(), s.models.begin(), s.models.end());
+  x.name = safe_name(input.stem().string());
+  PeerHistory history;
+  std::string scene_name;
+  int scene_line = 0;
+  if (ending == ".hst") {
+    x.history_file = s.input;
+    history = parse_peer_history(read_whole_file(s.input, kMostText, "a history"), s.input);
+    for (const PeerAct& a : history.act)
+      if (a.kind == PeerAct::Kind::load_scene && a.wrong.empty() && scene_name.empty())
+        scene_name = fs::path(a.scene).filename().string(), scene_line = a.line;
+    if (scene_name.empty())
+      throw InputError(s.input, 0, "names no scene; expected an act loadSceneFile with the name of a .smd file");
+    x.scene_file = needed(scene_name, folders, s.input, scene_line, "the scene");
+  } else {
+    x.scene_file = s.input;
+  }
+  x.scene = parse_peer_scene(read_whole_file(x.scene_file, kMostText, "a scene"), x.scene_file);
+  folders.push_back(fs::path(x.scene_file).parent_path().string());
+  x.model_file = needed(x.scene.object, folders, x.scene_file, x.scene.object_line, "the model");
+  const std::string obj = read_whole_file(x.model_file, kMostModel, "a model");
+  x.bed_file = look_for(fs::path(x.scene.object).stem().string() + ".bed", folders);
+  std::optional<PeerBed> bed;
+  if (!x.bed_file.empty()) bed = parse_peer_bed(read_whole_file(x.bed_file, kMostModel, "deep points"), x.bed_file);
+  x.unit_mm = s.unit_mm;
+  if (!(x.unit_mm > 0)) {
+    x.unit_guessed = true;
+    // (at a length that every model can have; the real one is checked below)
+    x.unit_mm = largest_coordinate_span(obj, x.model_file, x.scene) < kSmall_units ? kSmall_mm : kLarge_mm;
+  }
+  x.model = parse_peer_model(obj, x.model_file, x.scene, bed ? &*bed : nullptr, x.bed_file, x.unit_mm);
+  x.skin_mm = x.model.median_depth_mm();
+  if (!(x.skin_mm > 0)) x.skin_mm = 2;
+  CarrySettings c;
+  c.spacing_mm = s.spacing_mm;
+  x.operation = carry(history, x.model, c);
+  x.mended = history.mended;
+  x.mended.insert(x.mended.end(), x.scene.mended.begin(), x.scene.mended.end());
+  // What moves: the wound and as much around it again.
+  x.region_mm = 1.6 * x.operation.reach_mm + 20;
+  x.cell_mm = s.cell_mm > 0 ? s.cell_mm : std::clamp(4 * x.model.history_mm, 1.5, 5.0);
+  const Vec3 size = x.model.high_mm - x.model.low_mm;
+  x.cell_mm = std::min(x.cell_mm, size.minCoeff());
+  x.triangles = int64_t(x.model.mesh.tri.size());
+  for (const int material : x.model.material)
+    x.held += material == peer_material::periosteum || material == peer_material::periphery;
+  x.missing = missing_of(x);
+  return x;
+}
+
+}  // namespace limberg

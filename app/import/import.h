@@ -1,0 +1,48 @@
+#pragma once
+// From a peer's scene (.smd) or recorded operation (.hst) to a scene and a script of ours, with an account of every
+// act:
+//
+//   NAME.toml, NAME.obj   the patient in mm; `limberg check` takes it, `limberg operate` runs it
+//   NAME.jsonl            the operation
+//   NAME.html, NAME.json  what was carried, changed, refused, and how far places moved
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/import/carried_acts.h"
+#include "app/import/peer_files.h"
+#include "app/import/peer_model.h"
+
+namespace limberg {
+
+struct ImportSettings {
+  std::string input;               // .hst or .smd
+  std::vector<std::string> models;  // folders where models are looked for, after the input's own
+  std::string out;                 // a folder
+  double unit_mm = 0;              // of the models' numbers; 0: guessed by their size
+  double cell_mm = 0;              // of the scene's lattice; 0: chosen
+  double spacing_mm = 3;           // of rows of stitches
+};
+
+struct Imported {
+  std::string name, history_file, scene_file, model_file, bed_file;  // as found; empty: none
+  PeerScene scene;
+  PeerModel model;
+  CarriedOperation operation;
+  std::vector<std::string> mended, missing;  // let pass in the files; of the peer's scene what ours has not
+  double unit_mm = 0, cell_mm = 0, region_mm = 0, skin_mm = 0;
+  bool unit_guessed = false;
+  int64_t triangles = 0, held = 0;
+};
+
+/// Reads everything and converts. Throws InputError; writes nothing.
+Imported import_peer(const ImportSettings& settings);
+
+/// The files of it, as text.
+std::string scene_toml(const Imported& x);
+std::string surface_obj(const Imported& x);
+std::string script_text(const Imported& x);
+std::string import_page(const Imported& x);
+std::string import_json(const Imported& x);
+
+}  // namespace limberg

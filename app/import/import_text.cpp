@@ -1,0 +1,99 @@
+// What an import leaves: scene, surface, script.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <set>
+
+#include "app/import/import.h"
+
+namespace limberg {
+namespace {
+
+const char* what_of(int material) {
+  switch (material) {
+    case peer_material::skin:
+      return "skin";
+    case peer_material::periosteum:
+      return "held";
+    case peer_material::periphery:
+      return "held_softly";
+    default:
+      return "cut";
+  }
+}
+
+std::string direction(const Vec3& v) { return fmt::format("[{:.4f}, {:.4f}, {:.4f}]", v.x(), v.y(), v.z()); }
+std::string place(const Vec3& v) { return fmt::format("[{:.2f}, {:.2f}, {:.2f}]", v.x(), v.y(), v.z()); }
+
+std::string file_name(const std::string& path) {
+  std::string s = std::filesystem::path(path).filename().string();
+  for (char& c : s)
+    if (static_cast<unsigned char>(c) < ' ' || c == '"' || c == '\\' || static_cast<unsigned char>(c) >= 127) c = '_';
+  return s;
+}
+
+}  // namespace
+
+std::string scene_toml(const Imported& x) {
+  const CarriedOperation& o = x.operation;
+  const Vec3 n = o.outwards;
+  // Seen from outside, the model's y as far up as it goes.
+  Vec3 up = std::abs(n.y()) < 0.95 ? Vec3::UnitY() : Vec3(-Vec3::UnitZ());
+  const Vec3 e1 = up.cross(n).normalized(), e2 = n.cross(e1);
+  std::string t = fmt::format(
+      "# Of {}{}. One unit of that file is {:g} mm{}.\nname = \"{}\"\nnote = \"Imported from a peer's files; what was "
+      "carried stands in {}.html.\"\n\n[body]\nsource = \"obj\"\nmesh = \"{}.obj\"\nchart_origin_mm = {}\nchart_e1 = {}\n"
+      "chart_e2 = {}\ntension_direction = {}\n",
+      file_name(x.model_file), x.bed_file.empty() ? "" : " and " + file_name(x.bed_file), x.unit_mm,
+      x.unit_guessed ? ", guessed by its size" : "", x.name, x.name, x.name, place(o.middle_mm), direction(e1), direction(e2),
+      direction(e1));
+  for (const int material : std::set<int>(x.model.material.begin(), x.model.material.end()))
+    t += fmt::format("\n[[body.tag]]\nmaterial = \"{}\"\nwhat = \"{}\"\n", material, what_of(material));
+  t += fmt::format(
+      "\n# As in our face.toml: skin 60 kPa, the soft tissue of a face taken together 15 kPa (Chabanas 2003). The\n"
+      "# thickness is the median of the deep points.\n[[layer]]\nname = \"skin\"\nthickness_mm = {:.2f}\nyoung_kPa = 60\n"
+      "poisson = 0.45\ndensity_kg_m3 = 1100\n\n[[layer]]\nname = \"fat and muscle\"\nthickness_mm = 100\nyoung_kPa = 15\n"
+      "poisson = 0.45\ndensity_kg_m3 = 950\n\n[lattice]\ncell_mm = {:.3g}\nregion_mm = {:.0f}  # what lies farther from the "
+      "operation holds still\n\n[solver]\niterations_per_step = 10\nseed = 1\n\n[tools]\nmax_depth_mm = 40\n"
+      "default_depth_mm = {:.2f}\ndefault_spacing_mm = 3\n\n",
+      x.skin_mm, x.cell_mm, x.region_mm, std::clamp(1.1 * x.skin_mm, 0.1, 40.0));
+  const double distance = std::clamp(5.0 * o.reach_mm + 40, 60.0, 2000.0);
+  t += fmt::format("[camera]\ntarget_mm = {}\nfrom = {}\nup = {}\ndistance_mm = {:.0f}\nfov_deg = 28\n",
+                   place(o.middle_mm), direction(n), direction(e2), distance);
+  return t;
+}
+
+std::string surface_obj(const Imported& x) {
+  const TriMesh& m = x.model.mesh;
+  std::string t = fmt::format("# {} in mm\n", file_name(x.model_file));
+  for (const Vec3& v : m.X_mm) t += fmt::format("v {:.5f} {:.5f} {:.5f}\n", v.x(), v.y(), v.z());
+  std::map<std::pair<float, float>, size_t> number;
+  std::string faces;
+  for (const int material : std::set<int>(x.model.material.begin(), x.model.material.end())) {
+    faces += fmt::format("usemtl {}\n", material);
+    for (size_t i = 0; i < m.tri.size(); ++i) {
+      if (x.model.material[i] != material) continue;
+      faces += 'f';
+      for (size_t k = 0; k < 3; ++k) {
+        const auto& uv = m.uv[i][k];
+        const auto [at, fresh] = number.insert({{uv.x(), uv.y()}, number.size() + 1});
+        if (fresh) t += fmt::format("vt {} {}\n", uv.x(), uv.y());
+        faces += fmt::format(" {}/{}", m.tri[i][k] + 1, at->second);
+      }
+      faces += '\n';
+    }
+  }
+  return t + faces;
+}
+
+std::string script_text(const Imported& x) {
+  std::string t = fmt::format("{{\"limberg_script\":1,\"scene\":\"{}.toml\",\"note\":\"{}\"}}\n", x.name,
+                              file_name(x.history_file.empty() ? x.scene_file : x.history_file));
+  for (const std::string& line : x.operation.script) t += line + "\n";
+  return t;
+}
+
+}  // namespace limberg
