@@ -46,13 +46,14 @@ int import(const ImportSettings& s, bool replace) {
   const int refused = x.operation.count(Fate::refused);
   std::printf("%s: one unit is %g mm%s\n", x.scene.object.c_str(), x.unit_mm,
               x.unit_guessed ? " (guessed by the model's size; --unit-mm says otherwise)" : "");
-  std::printf("%zu acts: %d carried, %d changed, %d refused\n", x.operation.act.size(), x.operation.count(Fate::carried),
-              x.operation.count(Fate::changed), refused);
+  std::printf("%zu acts: %d carried, %d changed, %d refused\n", x.operation.act.size(),
+              x.operation.count(Fate::carried), x.operation.count(Fate::changed), refused);
   for (const CarriedAct& a : x.operation.act) {
     if (a.fate != Fate::refused) continue;
     std::string why;
     for (const std::string& n : a.notes) why += (why.empty() ? "" : "; ") + n;
-    std::fprintf(stderr, "limberg: %s:%d: %s refused: %s\n", x.history_file.c_str(), a.line, a.words.c_str(), why.c_str());
+    std::fprintf(stderr, "limberg: %s:%d: %s refused: %s\n", x.history_file.c_str(), a.line, a.words.c_str(),
+                 why.c_str());
   }
   std::printf("%s.toml, .obj, .jsonl; the account of every act: %s.html\n", stem.c_str(), stem.c_str());
   std::printf("limberg operate %s.toml %s.jsonl --keep-going --out %s-operated carries it out\n", stem.c_str(),
@@ -83,7 +84,8 @@ void add_import(CLI::App& app, Chosen& chosen) {
       ->check(number_from(0.001, 1000));
   c->add_option("--cell-mm", o->settings.cell_mm, "Of the scene's lattice [four cells of the peer's, 1.5 to 5]")
       ->check(number_from(0.2, 50));
-  c->add_option("--spacing-mm", o->settings.spacing_mm, "Between the stitches of a row [3]")->check(number_from(0.5, 20));
+  c->add_option("--spacing-mm", o->settings.spacing_mm, "Between the stitches of a row [3]")
+      ->check(number_from(0.5, 20));
   c->add_flag("--replace", o->replace, "Replace files of an earlier import");
   c->footer(
       "Exit status 3: some acts were refused; all others are in the script.\n"

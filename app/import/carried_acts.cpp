@@ -16,11 +16,11 @@ namespace pm = peer_material;
 using Kind = PeerAct::Kind;
 using Fate = CarriedAct::Fate;
 
-constexpr double kNearCut_mm = 12;    // a T-in or a joint reaches so far for a cut
-constexpr double kOwnReach_mm = 4;    // a stitch looks so far for its edge
-constexpr double kDeeper = 1.1;       // an incision passes the depth at which it is undermined by so much of it
+constexpr double kNearCut_mm = 12;  // a T-in or a joint reaches so far for a cut
+constexpr double kOwnReach_mm = 4;  // a stitch looks so far for its edge
+constexpr double kDeeper = 1.1;     // an incision passes the depth at which it is undermined by so much of it
 constexpr double kLeastDepth_mm = 0.5;
-constexpr double kThickest_mm = 25;   // of tissue over periosteum
+constexpr double kThickest_mm = 25;  // of tissue over periosteum
 constexpr double kHookBeside_mm = 0.8;
 constexpr int kStitchesToStage = 5;
 
@@ -32,10 +32,10 @@ std::string places_text(const std::vector<Vec3>& all) {
 }
 
 const char* side_of(int material) {
-  return material == pm::underside                                        ? "under"
-         : material == pm::bed || material == pm::undermined_periosteum   ? "bed"
-         : material == pm::cut_side || material == pm::muscle             ? "wall"
-                                                                          : "skin";
+  return material == pm::underside                                      ? "under"
+         : material == pm::bed || material == pm::undermined_periosteum ? "bed"
+         : material == pm::cut_side || material == pm::muscle           ? "wall"
+                                                                        : "skin";
 }
 
 double median_of(std::vector<double> v, double share = 0.5) {
@@ -163,7 +163,8 @@ class Carrier {
       std::vector<double> depth;
       std::string reason;
       for (const PeerAct::Post& p : a.post)
-        if (const auto f = find_place(m_, p.place, reason)) depth.push_back(depth_at(f->spot)), u.at_mm.push_back(f->spot.at_mm);
+        if (const auto f = find_place(m_, p.place, reason))
+          depth.push_back(depth_at(f->spot)), u.at_mm.push_back(f->spot.at_mm);
       u.depth_mm = median_of(depth);
       if (!depth.empty()) undermined_.push_back(std::move(u));
     }
@@ -173,13 +174,15 @@ class Carrier {
     std::vector<double> depth;
     for (const SurfaceSpot& s : line) depth.push_back(depth_at(s));
     double d = median_of(depth, 0.75);
-    for (const UndermineDepth& u : undermined_) {
-      bool near = false;
-      for (const Vec3& p : u.at_mm)
-        for (const SurfaceSpot& s : line) near = near || (s.at_mm - p).norm() < 20;
-      if (near) d = std::max(d, u.depth_mm);
-    }
+    for (const UndermineDepth& u : undermined_)
+      if (near_to(u, line)) d = std::max(d, u.depth_mm);
     return kDeeper * d;
+  }
+  static bool near_to(const UndermineDepth& u, const SurfaceLine& line) {
+    for (const Vec3& p : u.at_mm)
+      for (const SurfaceSpot& s : line)
+        if ((s.at_mm - p).norm() < 20) return true;
+    return false;
   }
 
   void act(const PeerAct& a) {
@@ -208,7 +211,8 @@ class Carrier {
         break;
       case Kind::move_hook:
         if (!hooks_.contains(a.number)) return refuse(fmt::format("hook {} was not set", a.number));
-        say(fmt::format(R"({{"action":"move","id":{},"to":{},"seconds":2}})", a.number + 1, place_text(m_.unit_mm * a.to)));
+        say(fmt::format(R"({{"action":"move","id":{},"to":{},"seconds":2}})", a.number + 1,
+                        place_text(m_.unit_mm * a.to)));
         hooked_.push_back(m_.unit_mm * a.to);
         break;
       case Kind::delete_hook:
@@ -244,12 +248,17 @@ class Carrier {
     std::vector<SurfaceSpot> posts;
     for (const FoundPlace& f : *found) posts.push_back(f.spot), worked_at(f.spot);
     const SurfaceSpot first = posts.front();
+    bool closed = false;
     if (a.in) join_cut(posts, true);
     if (a.out) {
       const auto near = cuts_.nearest(posts.back().at_mm, kNearCut_mm);
       const double own = (first.at_mm - posts.back().at_mm).norm();
-      if (posts.size() > 3 && own < kNearCut_mm && (!near || own <= near->distance_mm)) {
-        if (own > 1e-6) posts.push_back(first);
+      if (posts.size() > 2 && own < kNearCut_mm && (!near || own <= near->distance_mm)) {
+        if (own > cuts_.step_mm())
+          posts.push_back(first);
+        else
+          posts.back() = first;
+        closed = !a.in;
       } else {
         join_cut(posts, false);
       }
@@ -259,6 +268,7 @@ class Carrier {
     for (const SurfaceSpot& s : posts) path.push_back(s.at_mm);
     say(fmt::format(R"({{"action":"incise","path":{},"depth_mm":{:.2f}}})", places_text(path), incision_depth(line)));
     cuts_.add(line, false);
+    if (closed) rings_.push_back({{path.begin(), path.end() - 1}, line});
   }
 
   /// The first post, or the last one, goes on to the nearest cut.
@@ -277,9 +287,10 @@ class Carrier {
   void cut_through(const PeerAct& a) {
     for (const PeerAct::Post& p : a.post)
       if (p.place.material != pm::skin && p.place.material != pm::periphery)
-        return refuse(fmt::format("line {}: a cut that begins on the bed below a raised flap (material {}); ours begins "
-                                  "on the outer surface, and would cut the flap too",
-                                  p.place.line, p.place.material));
+        return refuse(
+            fmt::format("line {}: a cut that begins on the bed below a raised flap (material {}); ours begins "
+                        "on the outer surface, and would cut the flap too",
+                        p.place.line, p.place.material));
     const auto found = find_all(a);
     if (!found) return;
     std::vector<SurfaceSpot> posts;
@@ -289,8 +300,8 @@ class Carrier {
       path.push_back(posts.back().at_mm), normals.push_back(a.post[i].normal.normalized());
     }
     if (posts.size() < 2) return refuse("one post; two or more make a cut");
-    say(fmt::format(R"({{"action":"cut_through","path":{},"normals":{},"open_start":{},"open_end":{}}})", places_text(path),
-                    places_text(normals), a.in, a.out));
+    say(fmt::format(R"({{"action":"cut_through","path":{},"normals":{},"open_start":{},"open_end":{}}})",
+                    places_text(path), places_text(normals), a.in, a.out));
     for (size_t i = 0; i + 1 < posts.size(); ++i) {
       const SurfaceLine part = cuts_.between(posts[i], posts[i + 1]);
       cuts_.add(part, true);
@@ -327,8 +338,8 @@ class Carrier {
   void undermine(const PeerAct& a) {
     for (const PeerAct::Post& p : a.post)
       if (p.place.material != pm::skin)
-        return refuse(fmt::format("line {}: undermining from material {}; ours goes below skin", p.place.line,
-                                  p.place.material));
+        return refuse(
+            fmt::format("line {}: undermining from material {}; ours goes below skin", p.place.line, p.place.material));
     const auto found = find_all(a);
     if (!found) return;
     std::vector<SurfaceSpot> posts;
@@ -391,9 +402,10 @@ class Carrier {
     }
     const auto [least, most] = std::minmax_element(thickness.begin(), thickness.end());
     if (*most > 2 * *least)
-      return refuse(fmt::format("the tissue over the periosteum is {:.1f} to {:.1f} mm thick there: one depth below the "
-                                "skin does not follow it",
-                                *least, *most));
+      return refuse(
+          fmt::format("the tissue over the periosteum is {:.1f} to {:.1f} mm thick there: one depth below the "
+                      "skin does not follow it",
+                      *least, *most));
     const auto outline = enclosed(a, above);
     if (!outline) return refuse("encloses nothing");
     for (const SurfaceSpot& s : above) worked_at(s);
@@ -414,11 +426,23 @@ class Carrier {
       return;
     }
     if (!region) return refuse("no cut encloses the place: it would take the patient");
-    std::vector<double> depth{depth_at(f->spot)};
-    say(fmt::format(R"({{"action":"excise","outline":{},"depth_mm":{:.2f}}})", places_text(region->outline),
-                    median_of(depth)));
-    if (f->inner) change("the piece is meant that lies there");
+    // Where a closed incision is all of its border, along the same straight pieces.
+    const std::vector<Vec3>* outline = &region->outline;
+    double depth = depth_at(f->spot);
+    for (const Ring& r : rings_) {
+      const bool all = std::all_of(region->outline.begin(), region->outline.end(), [&](const Vec3& p) {
+        return std::any_of(r.line.begin(), r.line.end(),
+                           [&](const SurfaceSpot& s) { return (s.at_mm - p).norm() < 2 * cuts_.step_mm(); });
+      });
+      if (all) outline = &r.posts;
+    }
+    for (const UndermineDepth& u : undermined_) depth = std::max(depth, near_to(u, {f->spot}) ? u.depth_mm : 0);
+    say(fmt::format(R"({{"action":"excise","outline":{},"depth_mm":{:.2f}}})", places_text(*outline), depth));
   }
+  struct Ring {
+    std::vector<Vec3> posts;
+    SurfaceLine line;
+  };
 
   /// Where a place on skin lies when it stays on the bank that it was recorded from: walked from where the texture has
   /// it, not over a cut.
@@ -565,6 +589,7 @@ class Carrier {
   CarriedOperation out_;
   CarriedAct now_;
   std::vector<UndermineDepth> undermined_;
+  std::vector<Ring> rings_;
   std::map<int, Vec3> hooks_, stitched_;
   std::vector<Vec3> hooked_;
   std::optional<Tied> last_;

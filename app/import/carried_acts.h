@@ -26,8 +26,8 @@ struct CarriedAct {
   std::string name, words;
   std::vector<std::string> notes;  // what was changed, or why it was refused
   int places = 0;
-  double moved_mm = 0;        // most, from where the file puts a place to the surface or the cut that it was laid on
-  int first = 0, last = 0;    // its lines in the script; 0: none
+  double moved_mm = 0;      // most, from where the file puts a place to the surface or the cut that it was laid on
+  int first = 0, last = 0;  // its lines in the script; 0: none
 };
 const char* words_of(CarriedAct::Fate fate);
 

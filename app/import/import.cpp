@@ -41,7 +41,8 @@ std::string needed(const std::string& name, const std::vector<std::string>& fold
   if (!file.empty()) return file;
   std::string list;
   for (const std::string& f : folders) list += (list.empty() ? "" : ", ") + (f.empty() ? "." : f);
-  throw InputError(by, line, limberg::quoted(name, 200) + " is not there; expected " + what + " in " + list + " (see --models)");
+  throw InputError(by, line,
+                   limberg::quoted(name, 200) + " is not there; expected " + what + " in " + list + " (see --models)");
 }
 
 std::string safe_name(const std::string& stem) {
@@ -69,16 +70,18 @@ std::vector<std::string> missing_of(const Imported& x) {
   if (!x.scene.volumes.empty())
     out.push_back("Volumes of other tissue are as soft as the rest: " + list(x.scene.volumes) + ".");
   if (x.scene.strain_most > 0)
-    out.push_back(fmt::format("The peer's limits of stretch, {:g} to {:g}, are not carried: our tissue stiffens by its law.",
-                              x.scene.strain_least, x.scene.strain_most));
+    out.push_back(
+        fmt::format("The peer's limits of stretch, {:g} to {:g}, are not carried: our tissue stiffens by its law.",
+                    x.scene.strain_least, x.scene.strain_most));
   out.push_back("What the peer holds softly, its periphery, is held fast.");
   out.push_back("The skin has no tension of its own at rest, as the peer's has none.");
   if (x.bed_file.empty())
     out.push_back("There are no deep points: the skin is taken as 2 mm everywhere.");
   else
-    out.push_back(fmt::format("The layer of skin has one thickness, the median of its deep points, {:.1f} mm; cuts go to the "
-                              "depth of their own places.",
-                              x.skin_mm));
+    out.push_back(
+        fmt::format("The layer of skin has one thickness, the median of its deep points, {:.1f} mm; cuts go to the "
+                    "depth of their own places.",
+                    x.skin_mm));
   out.push_back("Textures are pictures of a kind that our scenes do not take (JPEG): none is drawn.");
   return out;
 }
@@ -90,7 +93,8 @@ Imported import_peer(const ImportSettings& s) {
   const fs::path input(s.input);
   const std::string ending = lower(input.extension().string());
   if (ending != ".hst" && ending != ".smd")
-    throw InputError(s.input, 0, "is neither a history nor a scene of the peer by its name; expected NAME.hst or NAME.smd");
+    throw InputError(s.input, 0,
+                     "is neither a history nor a scene of the peer by its name; expected NAME.hst or NAME.smd");
   std::vector<std::string> folders{input.parent_path().string().empty() ? "." : input.parent_path().string()};
   folders.insert(folders.end(), s.models.begin(), s.models.end());
   x.name = safe_name(input.stem().string());

@@ -16,12 +16,12 @@
 namespace limberg {
 
 struct ImportSettings {
-  std::string input;               // .hst or .smd
+  std::string input;                // .hst or .smd
   std::vector<std::string> models;  // folders where models are looked for, after the input's own
-  std::string out;                 // a folder
-  double unit_mm = 0;              // of the models' numbers; 0: guessed by their size
-  double cell_mm = 0;              // of the scene's lattice; 0: chosen
-  double spacing_mm = 3;           // of rows of stitches
+  std::string out;                  // a folder
+  double unit_mm = 0;               // of the models' numbers; 0: guessed by their size
+  double cell_mm = 0;               // of the scene's lattice; 0: chosen
+  double spacing_mm = 3;            // of rows of stitches
 };
 
 struct Imported {

@@ -43,9 +43,10 @@ void fields(ResultImport& x, auto&& f) {
 }
 
 html::Light light_of(Fate fate) {
-  return fate == Fate::refused ? html::Light::bad : fate == Fate::changed ? html::Light::warn
-                                                : fate == Fate::carried   ? html::Light::good
-                                                                          : html::Light::none;
+  return fate == Fate::refused   ? html::Light::bad
+         : fate == Fate::changed ? html::Light::warn
+         : fate == Fate::carried ? html::Light::good
+                                 : html::Light::none;
 }
 
 std::vector<html::Markup> items(const std::vector<std::string>& lines) {
@@ -71,11 +72,11 @@ std::string import_page(const Imported& x) {
   const CarriedOperation& o = x.operation;
   Page page;
   page.title = x.name, page.heading = x.name;
-  page.opening = html::paragraph(
-      fmt::format("A peer's recorded operation as a scene and a script of ours. {} as {}.toml and {}.obj, {} triangles, of "
-                  "which {} are held; one unit of the file is {:g} mm{}.",
-                  x.scene.object, x.name, x.name, x.triangles, x.held, x.unit_mm,
-                  x.unit_guessed ? ", guessed by its size (--unit-mm says otherwise)" : ""));
+  page.opening = html::paragraph(fmt::format(
+      "A peer's recorded operation as a scene and a script of ours. {} as {}.toml and {}.obj, {} triangles, of "
+      "which {} are held; one unit of the file is {:g} mm{}.",
+      x.scene.object, x.name, x.name, x.triangles, x.held, x.unit_mm,
+      x.unit_guessed ? ", guessed by its size (--unit-mm says otherwise)" : ""));
   const int refused = o.count(Fate::refused);
   page.summary =
       html::verdict(refused > 0 ? html::Light::bad : html::Light::good,
@@ -102,9 +103,10 @@ std::string import_page(const Imported& x) {
       "Each act", html::table_of_words({"line", "act", "fate", "moved, mm", "line of the script", "why"}, rows));
   page.sections += html::section("What our scene has not", html::list(items(x.missing)));
   page.sections += html::section("Let pass in the files", html::list(items(x.mended)));
-  page.sections += html::section("Carry it out", html::lines(fmt::format("limberg check {}.toml --plan\nlimberg operate {}.toml "
-                                                                         "{}.jsonl --keep-going --out out",
-                                                                         x.name, x.name, x.name)));
+  page.sections +=
+      html::section("Carry it out", html::lines(fmt::format("limberg check {}.toml --plan\nlimberg operate {}.toml "
+                                                            "{}.jsonl --keep-going --out out",
+                                                            x.name, x.name, x.name)));
   page.footer = html::Markup(program_name());
   return text_of(page);
 }

@@ -45,18 +45,22 @@ std::string scene_toml(const Imported& x) {
   const Vec3 e1 = up.cross(n).normalized(), e2 = n.cross(e1);
   std::string t = fmt::format(
       "# Of {}{}. One unit of that file is {:g} mm{}.\nname = \"{}\"\nnote = \"Imported from a peer's files; what was "
-      "carried stands in {}.html.\"\n\n[body]\nsource = \"obj\"\nmesh = \"{}.obj\"\nchart_origin_mm = {}\nchart_e1 = {}\n"
+      "carried stands in {}.html.\"\n\n[body]\nsource = \"obj\"\nmesh = \"{}.obj\"\nchart_origin_mm = {}\nchart_e1 = "
+      "{}\n"
       "chart_e2 = {}\ntension_direction = {}\n",
       file_name(x.model_file), x.bed_file.empty() ? "" : " and " + file_name(x.bed_file), x.unit_mm,
-      x.unit_guessed ? ", guessed by its size" : "", x.name, x.name, x.name, place(o.middle_mm), direction(e1), direction(e2),
-      direction(e1));
+      x.unit_guessed ? ", guessed by its size" : "", x.name, x.name, x.name, place(o.middle_mm), direction(e1),
+      direction(e2), direction(e1));
   for (const int material : std::set<int>(x.model.material.begin(), x.model.material.end()))
     t += fmt::format("\n[[body.tag]]\nmaterial = \"{}\"\nwhat = \"{}\"\n", material, what_of(material));
   t += fmt::format(
       "\n# As in our face.toml: skin 60 kPa, the soft tissue of a face taken together 15 kPa (Chabanas 2003). The\n"
-      "# thickness is the median of the deep points.\n[[layer]]\nname = \"skin\"\nthickness_mm = {:.2f}\nyoung_kPa = 60\n"
-      "poisson = 0.45\ndensity_kg_m3 = 1100\n\n[[layer]]\nname = \"fat and muscle\"\nthickness_mm = 100\nyoung_kPa = 15\n"
-      "poisson = 0.45\ndensity_kg_m3 = 950\n\n[lattice]\ncell_mm = {:.3g}\nregion_mm = {:.0f}  # what lies farther from the "
+      "# thickness is the median of the deep points.\n[[layer]]\nname = \"skin\"\nthickness_mm = {:.2f}\nyoung_kPa = "
+      "60\n"
+      "poisson = 0.45\ndensity_kg_m3 = 1100\n\n[[layer]]\nname = \"fat and muscle\"\nthickness_mm = 100\nyoung_kPa = "
+      "15\n"
+      "poisson = 0.45\ndensity_kg_m3 = 950\n\n[lattice]\ncell_mm = {:.3g}\nregion_mm = {:.0f}  # what lies farther "
+      "from the "
       "operation holds still\n\n[solver]\niterations_per_step = 10\nseed = 1\n\n[tools]\nmax_depth_mm = 40\n"
       "default_depth_mm = {:.2f}\ndefault_spacing_mm = 3\n\n",
       x.skin_mm, x.cell_mm, x.region_mm, std::clamp(1.1 * x.skin_mm, 0.1, 40.0));

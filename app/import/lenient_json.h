@@ -17,7 +17,7 @@ struct LenientJson {
   bool truth = false;
   double number = 0;
   std::string text;
-  std::vector<std::string> key;    // of an object, one for each of `item`
+  std::vector<std::string> key;   // of an object, one for each of `item`
   std::vector<LenientJson> item;  // of a list or an object
 
   bool is(Kind k) const { return kind == k; }

@@ -61,11 +61,11 @@ struct PeerAct {
     Vec3 normal = Vec3::Zero();  // deep_cut: outwards
     bool connect = false;        // undermining: joined to the nearest cut
   };
-  std::vector<Post> post;          // of cuts and undermining; one of hooks and excisions, two of a stitch
-  bool in = false, out = false;    // T-ins of an incision, open ends of a deep cut
-  int number = 0;                  // of a hook or a stitch
+  std::vector<Post> post;        // of cuts and undermining; one of hooks and excisions, two of a stitch
+  bool in = false, out = false;  // T-ins of an incision, open ends of a deep cut
+  int number = 0;                // of a hook or a stitch
   bool linked = false, strong = false;
-  Vec3 to = Vec3::Zero();          // move_hook, in the file's units
+  Vec3 to = Vec3::Zero();  // move_hook, in the file's units
 };
 const char* words_of(PeerAct::Kind kind);
 

@@ -67,19 +67,25 @@ struct KindName {
   PeerAct::Kind kind;
 };
 constexpr KindName kNames[] = {
-    {"loadSceneFile", PeerAct::Kind::load_scene},    {"makeIncision", PeerAct::Kind::incision},
-    {"makeDeepCut", PeerAct::Kind::deep_cut},        {"undermine", PeerAct::Kind::undermine},
+    {"loadSceneFile", PeerAct::Kind::load_scene},
+    {"makeIncision", PeerAct::Kind::incision},
+    {"makeDeepCut", PeerAct::Kind::deep_cut},
+    {"undermine", PeerAct::Kind::undermine},
     {"periostealUndermine", PeerAct::Kind::undermine_periosteum},
-    {"excise", PeerAct::Kind::excise},               {"addHook", PeerAct::Kind::add_hook},
-    {"moveHook", PeerAct::Kind::move_hook},          {"deleteHook", PeerAct::Kind::delete_hook},
-    {"addSuture", PeerAct::Kind::add_suture},        {"deleteSuture", PeerAct::Kind::delete_suture},
+    {"excise", PeerAct::Kind::excise},
+    {"addHook", PeerAct::Kind::add_hook},
+    {"moveHook", PeerAct::Kind::move_hook},
+    {"deleteHook", PeerAct::Kind::delete_hook},
+    {"addSuture", PeerAct::Kind::add_suture},
+    {"deleteSuture", PeerAct::Kind::delete_suture},
     {"promoteSutureApproximations", PeerAct::Kind::nothing},
     {"pausePhysics", PeerAct::Kind::nothing},
 };
 
 const LenientJson& list_of(const LenientJson& v, size_t least) {
   if (!v.is(Kind::list)) throw BrokenAct{v.line, fmt::format("is {}; expected a list", kind_words(v.kind))};
-  if (v.item.size() < least) throw BrokenAct{v.line, fmt::format("has {} points; expected {} or more", v.item.size(), least)};
+  if (v.item.size() < least)
+    throw BrokenAct{v.line, fmt::format("has {} points; expected {} or more", v.item.size(), least)};
   if (v.item.size() > PeerLimits::posts) throw BrokenAct{v.line, "has more than 2000 points"};
   return v;
 }

@@ -24,7 +24,8 @@ int material_number(const std::string& name, const std::string& file, int line) 
   const auto [end, ec] = std::from_chars(name.data(), name.data() + name.size(), number);
   // "1.004": a material that its editor has doubled
   if (ec != std::errc() || (end != name.data() + name.size() && *end != '.') || number < 0 || number > 99)
-    throw InputError(file, line, "material " + limberg::quoted(name) + " is no number; expected those of the peer, 1 to 8");
+    throw InputError(file, line,
+                     "material " + limberg::quoted(name) + " is no number; expected those of the peer, 1 to 8");
   return number;
 }
 
@@ -32,8 +33,7 @@ void join(PeerModel& m) {
   std::map<std::pair<int32_t, int32_t>, std::pair<int32_t, int>> edge;
   m.across.assign(m.mesh.tri.size(), {-1, -1, -1});
   for (size_t t = 0; t < m.mesh.tri.size(); ++t)
-    for (size_t k = 0; k < 3; ++k)
-      edge.insert({{m.mesh.tri[t][k], m.mesh.tri[t][(k + 1) % 3]}, {int32_t(t), int(k)}});
+    for (size_t k = 0; k < 3; ++k) edge.insert({{m.mesh.tri[t][k], m.mesh.tri[t][(k + 1) % 3]}, {int32_t(t), int(k)}});
   for (const auto& [ends, here] : edge)
     if (const auto mate = edge.find({ends.second, ends.first}); mate != edge.end())
       m.across[size_t(here.first)][size_t(here.second)] = mate->second.first;
@@ -113,7 +113,8 @@ PeerModel parse_peer_model(std::string_view obj, const std::string& file, const 
       m.low_mm = m.low_mm.cwiseMin(m.mesh.X_mm[size_t(v)]), m.high_mm = m.high_mm.cwiseMax(m.mesh.X_mm[size_t(v)]);
   const Vec3 size = m.high_mm - m.low_mm;
   if (!(size.maxCoeff() <= kLongest_mm) || !(size.maxCoeff() >= 1))
-    throw InputError(file, 0, fmt::format("the model is {:g} mm long; expected 1 to 1000 (see --unit-mm)", size.maxCoeff()));
+    throw InputError(file, 0,
+                     fmt::format("the model is {:g} mm long; expected 1 to 1000 (see --unit-mm)", size.maxCoeff()));
   join(m), find_normals(m);
   m.all = Bvh(m.mesh.X_mm, m.mesh.tri);
   m.deep_mm.assign(m.mesh.X_mm.size(), Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
@@ -126,9 +127,8 @@ PeerModel parse_peer_model(std::string_view obj, const std::string& file, const 
     }
   // The edge of the finest cell of the peer's lattice, as its program takes it.
   const double longest = size.maxCoeff() + 2e-4 * size.norm();
-  m.history_mm = scene.subdivisions > 0 && scene.levels > 0
-                     ? longest / scene.subdivisions / std::exp2(scene.levels - 1)
-                     : 0;
+  m.history_mm =
+      scene.subdivisions > 0 && scene.levels > 0 ? longest / scene.subdivisions / std::exp2(scene.levels - 1) : 0;
   return m;
 }
 
@@ -145,7 +145,8 @@ TextureSpot on_texture(const PeerModel& m, int material, const Vec2& p) {
   TextureSpot best;
   for (size_t t = 0; t < m.mesh.tri.size() && best.off > 0; ++t) {
     if (m.material[t] != material) continue;
-    const Vec2 a = m.mesh.uv[t][0].cast<double>(), b = m.mesh.uv[t][1].cast<double>(), c = m.mesh.uv[t][2].cast<double>();
+    const Vec2 a = m.mesh.uv[t][0].cast<double>(), b = m.mesh.uv[t][1].cast<double>(),
+               c = m.mesh.uv[t][2].cast<double>();
     const Vec2 ab = b - a, ac = c - a, ap = p - a;
     const double area = ab.x() * ac.y() - ab.y() * ac.x();
     if (!(std::abs(area) > 1e-12)) continue;  // some triangles have no area on the texture
@@ -184,8 +185,7 @@ SurfaceSpot walk_to(const PeerModel& m, const SurfaceSpot& start, const Vec3& to
     const Tri& c = m.mesh.tri[size_t(t)];
     const Vec3 &p = m.mesh.X_mm[size_t(c[0])], &q = m.mesh.X_mm[size_t(c[1])], &r = m.mesh.X_mm[size_t(c[2])];
     const auto near = closest_on_triangle(to, p, q, r);
-    if (const double d = (near.point - to).squaredNorm(); d < least)
-      least = d, best = {t, near.bary, near.point};
+    if (const double d = (near.point - to).squaredNorm(); d < least) least = d, best = {t, near.bary, near.point};
     for (int32_t n : m.across[size_t(t)]) {
       if (n < 0 || m.material[size_t(n)] != material) continue;
       const auto at = std::lower_bound(seen.begin(), seen.end(), n);

@@ -22,14 +22,14 @@ inline constexpr int periphery = 1, skin = 2, cut_side = 3, underside = 4, bed =
 }
 
 struct PeerModel {
-  std::string file;        // of the OBJ
-  double unit_mm = 1;      // of its numbers
-  double history_mm = 1;   // of a history's displacements: an edge of the peer's lattice
-  TriMesh mesh;            // mm, uv; untagged, vertices as in the file
-  std::vector<int> material;                  // per triangle
+  std::string file;                            // of the OBJ
+  double unit_mm = 1;                          // of its numbers
+  double history_mm = 1;                       // of a history's displacements: an edge of the peer's lattice
+  TriMesh mesh;                                // mm, uv; untagged, vertices as in the file
+  std::vector<int> material;                   // per triangle
   std::vector<std::array<int32_t, 3>> across;  // per triangle, over the edge from corner k to k + 1; -1: none
-  std::vector<Vec3> normal;                   // per vertex, outwards, unit
-  std::vector<Vec3> deep_mm;                  // per vertex: where the skin ends below it; NaN: not known
+  std::vector<Vec3> normal;                    // per vertex, outwards, unit
+  std::vector<Vec3> deep_mm;                   // per vertex: where the skin ends below it; NaN: not known
   Bvh all;
   Vec3 low_mm = Vec3::Zero(), high_mm = Vec3::Zero();
 

@@ -21,8 +21,10 @@ const LenientJson* part(const LenientJson& root, const char* name, LenientJson::
 
 /// A model's name: a file beside the scene, never a way out of its folder.
 std::string model_name(const std::string& name, const std::string& file, int line) {
-  if (name.empty() || name.size() > 200 || name.find_first_of("/\\") != std::string::npos || name == "." || name == "..")
-    throw InputError(file, line, limberg::quoted(name) + " is no name of a model; expected a file's name without a folder");
+  if (name.empty() || name.size() > 200 || name.find_first_of("/\\") != std::string::npos || name == "." ||
+      name == "..")
+    throw InputError(file, line,
+                     limberg::quoted(name) + " is no name of a model; expected a file's name without a folder");
   for (const char c : name)
     if (static_cast<unsigned char>(c) < ' ' || c == 127)
       throw InputError(file, line, limberg::quoted(name) + " is no name of a model; expected printable characters");
@@ -96,7 +98,8 @@ PeerBed parse_peer_bed(std::string_view text, const std::string& file) {
     if (!next(vertex) || !next(p[0]) || !next(p[1]) || !next(p[2]) ||
         l.find_first_not_of(" \t\r") != std::string_view::npos)
       fail("is no deep point; expected a vertex number and three coordinates");
-    if (vertex < 0 || vertex >= PeerLimits::vertices) fail(fmt::format("names vertex {}; expected one of a model", vertex));
+    if (vertex < 0 || vertex >= PeerLimits::vertices)
+      fail(fmt::format("names vertex {}; expected one of a model", vertex));
     if (!p.allFinite() || p.cwiseAbs().maxCoeff() > PeerLimits::coordinate)
       fail("holds a coordinate that cannot be used; expected finite numbers of at most 10000");
     if (bed.vertex.size() == size_t(PeerLimits::vertices)) fail("more than 2 million deep points");

@@ -5,51 +5,49 @@
 #include <limits>
 #include <map>
 #include <queue>
-#include <set>
 
 #include "sim/geometry/triangle.h"
 
 namespace limberg {
 namespace {
 
-constexpr double kGrid_mm = 0.5, kFlat = 0.5, kNone_mm = 30, kFull_mm = 5;
+constexpr double kOnSkin_mm = 1e-3, kFlat = 0.5, kNone_mm = 30, kFull_mm = 5;
 
 std::array<Vec3, 3> corners(const SurfaceView& v, size_t t) {
   return {v.X_mm[size_t(v.tri[t][0])], v.X_mm[size_t(v.tri[t][1])], v.X_mm[size_t(v.tri[t][2])]};
 }
 
-std::pair<int, int> square(const Vec2& p) {
-  return {int(std::floor(p.x() / kGrid_mm)), int(std::floor(p.y() / kGrid_mm))};
-}
-
-/// A chart is a projection, and a closed body has skin twice above a place of it: on the side that faces the chart, and
-/// on its far side.
-using Place = std::pair<bool, std::pair<int, int>>;
-bool faces_chart(const Vec3& normal, const Skin& skin) { return normal.dot(skin.body().chart_normal()) > 0; }
-
-// Squares of the chart that have a flat wall below them, on the side to whose skin it is nearest.
-std::set<Place> floors(const SurfaceView& view, const Skin& skin) {
-  std::set<Place> out;
+// Per triangle, whether it is skin with a flat wall below it: the first wall on its way inwards that lies flat, before
+// the way leaves the body. So neither the far side of a head counts, nor a cheek behind an ear, nor the mucosa of a lip.
+std::vector<char> above_a_wall(const SurfaceView& view, const Skin& skin) {
+  std::vector<char> out(view.tri.size(), 0);
+  std::vector<Tri> wall;
+  Vec3 lo = Vec3::Constant(1e300), hi = -lo;
   for (size_t t = 0; t < view.tri.size(); ++t) {
     if (view.kind[t] != FaceKind::wall) continue;
+    wall.push_back(view.tri[t]);
+    for (const Vec3& X : corners(view, t)) lo = lo.cwiseMin(X), hi = hi.cwiseMax(X);
+  }
+  if (wall.empty()) return out;
+  const Bvh walls(view.X_mm.flat(), wall);
+  const Vec3 reach = Vec3::Constant((hi - lo).norm());
+  std::array<Bvh::LineHit, 64> hits;
+  for (size_t t = 0; t < view.tri.size(); ++t) {
+    if (view.kind[t] != FaceKind::skin) continue;
     const auto X = corners(view, t);
-    const Vec3 n = area_vector2(X[0], X[1], X[2]), m = (X[0] + X[1] + X[2]) / 3;
-    const Vec3 up = skin.nearest(m).normal;
-    if (!(std::abs(n.dot(up)) > kFlat * n.norm())) continue;
-    const bool front = faces_chart(up, skin);
-    Vec2 c[3], lo = Vec2::Constant(1e300), hi = -lo;
-    for (size_t k = 0; k < 3; ++k) c[k] = skin.body().to_chart(X[k]), lo = lo.cwiseMin(c[k]), hi = hi.cwiseMax(c[k]);
-    out.insert({front, square(skin.body().to_chart(m))});
-    const auto a = square(lo), b = square(hi);
-    const auto left = [](const Vec2& p, const Vec2& q, const Vec2& r) {
-      return (q.x() - p.x()) * (r.y() - p.y()) - (q.y() - p.y()) * (r.x() - p.x());
-    };
-    for (int i = a.first; i <= b.first; ++i)
-      for (int k = a.second; k <= b.second; ++k) {
-        const Vec2 p((i + 0.5) * kGrid_mm, (k + 0.5) * kGrid_mm);
-        const double s[3] = {left(c[0], c[1], p), left(c[1], c[2], p), left(c[2], c[0], p)};
-        if ((s[0] >= 0 && s[1] >= 0 && s[2] >= 0) || (s[0] <= 0 && s[1] <= 0 && s[2] <= 0)) out.insert({front, {i, k}});
-      }
+    const Vec3 m = (X[0] + X[1] + X[2]) / 3, n = area_vector2(X[0], X[1], X[2]).normalized();
+    if (!n.allFinite() || (m.array() < (lo - reach).array()).any() || (m.array() > (hi + reach).array()).any())
+      continue;
+    int count = std::min<int>(skin.surface().line(m, -n, kOnSkin_mm, 1e4, hits), int(hits.size()));
+    double end = 1e4;
+    for (int i = 0; i < count && end == 1e4; ++i)
+      if (!hits[size_t(i)].from_outside) end = hits[size_t(i)].t;
+    count = std::min<int>(walls.line(m, -n, kOnSkin_mm, end, hits), int(hits.size()));
+    for (int i = 0; i < count && !out[t]; ++i) {
+      const Tri& w = wall[size_t(hits[size_t(i)].triangle)];
+      const Vec3 up = area_vector2(view.X_mm[size_t(w[0])], view.X_mm[size_t(w[1])], view.X_mm[size_t(w[2])]);
+      out[t] = std::abs(n.dot(up)) > kFlat * up.norm();
+    }
   }
   return out;
 }
@@ -59,8 +57,8 @@ std::set<Place> floors(const SurfaceView& view, const Skin& skin) {
 Perfusion perfusion(const SurfaceView& view, const Skin& skin) {
   Perfusion p;
   p.index.assign(view.tri.size(), -1);
-  const auto below = floors(view, skin);
-  if (below.empty()) {
+  const std::vector<char> undermined = above_a_wall(view, skin);
+  if (std::find(undermined.begin(), undermined.end(), char(1)) == undermined.end()) {
     for (size_t t = 0; t < view.tri.size(); ++t)
       if (view.kind[t] == FaceKind::skin) p.index[t] = 1;
     return p;
@@ -69,13 +67,10 @@ Perfusion perfusion(const SurfaceView& view, const Skin& skin) {
   std::vector<double> way(view.tri.size(), std::numeric_limits<double>::infinity());
   std::map<std::pair<int32_t, int32_t>, int32_t> edge;  // directed, of skin
   std::priority_queue<std::pair<double, int32_t>, std::vector<std::pair<double, int32_t>>, std::greater<>> open;
-  std::vector<char> undermined(view.tri.size(), 0);
   for (size_t t = 0; t < view.tri.size(); ++t) {
     if (view.kind[t] != FaceKind::skin) continue;
     const auto X = corners(view, t);
     centre[t] = (X[0] + X[1] + X[2]) / 3;
-    const bool front = faces_chart(area_vector2(X[0], X[1], X[2]), skin);
-    undermined[t] = below.count({front, square(skin.body().to_chart(centre[t]))}) > 0;
     for (size_t k = 0; k < 3; ++k) edge[{view.tri[t][k], view.tri[t][(k + 1) % 3]}] = int32_t(t);
     if (!undermined[t]) way[t] = 0, open.push({0, int32_t(t)});
   }

@@ -30,8 +30,8 @@ struct Perfusion {
 
 /// Ways go from centre to centre of triangles that are neighbours or have a neighbour
 /// in common: up to 10 % longer than the shortest, so the index is up to 0.1 too low. A
-/// place is undermined when a wall that lies flatter than 60 degrees
-/// is below it on the chart, on its own side of the body; places are told apart to 0.5 mm.
+/// place is undermined when a wall that lies flatter than 60 degrees to it is on the way inwards from the middle of its
+/// triangle, before that leaves the body.
 Perfusion perfusion(const SurfaceView& view, const Skin& skin);
 
 }  // namespace limberg

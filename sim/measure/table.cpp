@@ -178,8 +178,8 @@ const Measure kTable[] = {
      "--cells", LIMBERG_OF(m.landmarks.empty() ? std::optional<double>() : std::optional<double>(m.landmark_max_mm))},
 
     // Blood supply
-    {"undermined_mm2", "mm²", "undermined skin", "skin at rest with a cut below it", "squares of 0.5 mm",
-     LIMBERG_OF(m.perfused.undermined_mm2)},
+    {"undermined_mm2", "mm²", "undermined skin", "skin at rest with a flat cut below it, on the way inwards",
+     "triangles counted whole", LIMBERG_OF(m.perfused.undermined_mm2)},
     {"perfusion_least", "", "least perfusion index",
      "(30 mm - d) / 25 mm, 0 to 1; d: way within the skin to skin that is not undermined (Memarzadeh 2016, pigs)",
      "ways up to 10 % too long; the source gives no spread and none for people", LIMBERG_OF(m.perfused.least)},
@@ -188,7 +188,7 @@ const Measure kTable[] = {
      LIMBERG_OF(m.perfused.farthest_mm)},
     {"perfusion_below_40_mm2", "mm²", "skin with a perfusion index below 0.4",
      "area of skin whose perfusion index is below 0.4", "as perfusion_least", LIMBERG_OF(m.perfused.below_40_mm2)},
-    {"perfusion_severed_mm2", "mm²", "severed skin", "undermined skin that no way leads to", "squares of 0.5 mm",
+    {"perfusion_severed_mm2", "mm²", "severed skin", "undermined skin that no way leads to", "triangles counted whole",
      LIMBERG_OF(m.perfused.severed_mm2)},
 
     // Bones

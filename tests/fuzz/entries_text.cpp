@@ -7,6 +7,8 @@
 #include "app/export/achieved.h"
 #include "app/export/operated.h"
 #include "app/head/cache.h"
+#include "app/import/carried_acts.h"
+#include "app/import/peer_files.h"
 #include "app/operating_point/kept_trials.h"
 #include "app/operating_point/operating_point.h"
 #include "app/program/shown.h"
@@ -22,6 +24,7 @@
 #include "sim/base/error.h"
 #include "sim/commands/script.h"
 #include "sim/imaging/register/landmark_pairs.h"
+#include "tests/app/import/peer_fixture.h"
 #include "tests/app/report/xml_check.h"
 #include "tests/fuzz/entry_parts.h"
 
@@ -187,11 +190,42 @@ Entry trials_entry() {
                     });
 }
 
+/// Of a peer: history, scene, deep points and model, by themselves and as what becomes of them.
+void add_peer_entries(std::vector<Entry>& all) {
+  static const test::PeerFixture fixture;
+  static const PeerModel model = fixture.model();
+  using F = test::PeerFixture;
+  const std::string sound = F::history(
+      {F::incision({{10, 14}, {22, 14}, {22, 26}, {10, 26}}, false, true), F::excise(16, 20),
+       F::incision({{23, 20}, {34, 20}}, true), F::undermine({{23, 16}, {38, 16}, {38, 30}}, true, true),
+       F::deep_cut({{50, 10}, {50, 30}}, true, true), F::hook(0, F::place(30, 22)), R"({"moveHook":[0,3,2.5,2]})",
+       F::suture(0, F::place(24, 20.4, Vec3::Zero(), 2, "0"), F::place(24, 19.6, Vec3::Zero(), 2, "1"), true)});
+  const std::vector<std::string> reads{"app/import/import.cpp"};
+  all.push_back(text_entry("peer_history", reads, {sound}, [](const std::string& text) -> std::string {
+    std::string script = "{\"limberg_script\":1,\"scene\":\"slab\"}\n";
+    for (const std::string& l : carry(parse_peer_history(text, kNamed), model, {}).script) script += l + "\n";
+    parse_script(script, "carried");  // a refusal of it is taken for one of the history: see test_carried_acts
+    return "";
+  }));
+  all.push_back(text_entry("peer_scene", reads, {F::scene()}, [](const std::string& text) -> std::string {
+    return parse_peer_scene(text, kNamed).object.empty() ? "a scene without tissue" : "";
+  }));
+  all.push_back(text_entry("peer_bed", reads, {fixture.bed.substr(0, 400)}, [](const std::string& text) -> std::string {
+    const PeerBed bed = parse_peer_bed(text, kNamed);
+    return bed.vertex.size() == bed.deep.size() ? "" : "a vertex without its deep point";
+  }));
+  all.push_back(text_entry("peer_model", reads, {fixture.obj}, [](const std::string& text) -> std::string {
+    const PeerModel m = parse_peer_model(text, kNamed, parse_peer_scene(F::scene(), "s"), nullptr, "", 10);
+    return m.material.size() == m.mesh.tri.size() ? "" : "a triangle without material";
+  }));
+}
+
 }  // namespace
 
 std::vector<Entry> text_entries(const Folder& folder) {
   const auto laws = shipped_laws();
   std::vector<Entry> all;
+  add_peer_entries(all);
   all.push_back(text_entry("tissues", {"app/scene/tissues.cpp"}, {shipped("app/scene/tissues.toml")},
                            [laws](const std::string& text) -> std::string {
                              for (const NamedTissue& t : parse_tissues(text, kNamed, *laws).tissues)

@@ -152,6 +152,47 @@ TEST(Perfusion, TheFarSideOfAClosedBodyIsNotUndermined) {
   }
 }
 
+// An ear stands over the cheek, both facing the chart: a pocket in one leaves the other attached.
+TEST(Perfusion, WhatLiesBehindAnotherFoldIsNotUndermined) {
+  // A C of three plates of 10 mm: front, back, and what joins them at y = 0. Skin is all that does not face -z.
+  const double y[] = {0, 10, 60}, z[] = {0, 10, 20, 30};
+  std::string obj;
+  for (const double x : {-30., 30.})
+    for (const double h : y)
+      for (const double k : z)
+        obj += "v " + std::to_string(x) + " " + std::to_string(h) + " " + std::to_string(k) + "\n";
+  const auto at = [](int side, int j, int k) { return std::to_string(1 + side * 12 + j * 4 + k) + " "; };
+  const auto cell = [](int j, int k) { return j >= 0 && j < 2 && k >= 0 && k < 3 && (j == 0 || k != 1); };
+  for (int j = 0; j < 2; ++j)
+    for (int k = 0; k < 3; ++k) {
+      if (!cell(j, k)) continue;
+      obj += "f " + at(0, j, k) + at(0, j, k + 1) + at(0, j + 1, k + 1) + at(0, j + 1, k) + "\n";
+      obj += "f " + at(1, j, k) + at(1, j + 1, k) + at(1, j + 1, k + 1) + at(1, j, k + 1) + "\n";
+      const auto wall = [&](int j0, int k0, int j1, int k1) {
+        obj += "f " + at(0, j0, k0) + at(0, j1, k1) + at(1, j1, k1) + at(1, j0, k0) + "\n";
+      };
+      if (!cell(j - 1, k)) wall(j, k + 1, j, k);
+      if (!cell(j + 1, k)) wall(j + 1, k, j + 1, k + 1);
+      if (!cell(j, k - 1)) wall(j, k, j + 1, k);
+      if (!cell(j, k + 1)) wall(j + 1, k + 1, j, k + 1);
+    }
+  ObjSpec spec;
+  spec.path = "fold";
+  spec.layers.resize(1);
+  const auto body = std::make_shared<Body>(parse_obj(obj, spec));
+  const Skin skin(body);
+  for (const double depth_from : {30., 10.}) {  // below the front of either plate
+    SurfaceView v = view_of(*body);
+    const auto first = int32_t(v.X_mm.size());
+    for (const Vec3& p : {Vec3(-30, 10, depth_from - 3), Vec3(30, 10, depth_from - 3), Vec3(30, 60, depth_from - 3),
+                          Vec3(-30, 60, depth_from - 3)})
+      v.X_mm.push_back(p);
+    for (const Tri& t : {Tri{first, first + 1, first + 2}, Tri{first, first + 2, first + 3}})
+      v.tri.push_back(t), v.kind.push_back(FaceKind::wall);
+    EXPECT_NEAR(perfusion(v, skin).undermined_mm2, 60 * 50, 1) << depth_from;
+  }
+}
+
 TEST(MembraneState, AngleBetweenTensionAndFibres) {
   Material m;
   m.young_kPa = 50, m.poisson = 0.45;
