@@ -11,7 +11,7 @@
 namespace limberg {
 namespace {
 
-using Kind = LenientJson::Kind;
+using JsonKind = LenientJson::Kind;
 
 /// What is wrong with one act, at a line of the file.
 struct BrokenAct {
@@ -19,7 +19,7 @@ struct BrokenAct {
   std::string what;
 };
 
-const LenientJson& field_of(const LenientJson& of, const std::string& key, Kind kind) {
+const LenientJson& field_of(const LenientJson& of, const std::string& key, JsonKind kind) {
   const LenientJson* v = of.find(key);
   if (!v) throw BrokenAct{of.line, key + " is missing"};
   if (!v->is(kind))
@@ -28,23 +28,23 @@ const LenientJson& field_of(const LenientJson& of, const std::string& key, Kind 
 }
 
 bool flag_of(const LenientJson& of, const std::string& key) {
-  return of.find(key) && field_of(of, key, Kind::boolean).truth;
+  return of.find(key) && field_of(of, key, JsonKind::boolean).truth;
 }
 
 int whole_of(const LenientJson& v, const char* name) {
-  if (!v.is(Kind::number) || v.number != std::floor(v.number) || !(std::abs(v.number) <= 1e6))
+  if (!v.is(JsonKind::number) || v.number != std::floor(v.number) || !(std::abs(v.number) <= 1e6))
     throw BrokenAct{v.line, std::string(name) + " is no whole number; expected one of at most a million"};
   return int(v.number);
 }
 
 template <int N>
 Eigen::Matrix<double, N, 1> numbers_of(const LenientJson& v, size_t from, const std::string& name) {
-  if (!v.is(Kind::list) || v.item.size() != from + N)
+  if (!v.is(JsonKind::list) || v.item.size() != from + N)
     throw BrokenAct{v.line, fmt::format("{} is no list of {} numbers", name, from + N)};
   Eigen::Matrix<double, N, 1> out;
   for (size_t k = 0; k < size_t(N); ++k) {
     const LenientJson& e = v.item[from + k];
-    if (!e.is(Kind::number) || !(std::abs(e.number) <= PeerLimits::coordinate))
+    if (!e.is(JsonKind::number) || !(std::abs(e.number) <= PeerLimits::coordinate))
       throw BrokenAct{e.line, name + " holds something else than numbers of at most 10000"};
     out[Eigen::Index(k)] = e.number;
   }
@@ -55,10 +55,10 @@ Eigen::Matrix<double, N, 1> numbers_of(const LenientJson& v, size_t from, const 
 PeerPlace place_of(const LenientJson& of, const std::string& end = "") {
   PeerPlace p;
   p.line = of.line;
-  p.material = whole_of(field_of(of, "material" + end, Kind::number), "material");
-  p.uv = numbers_of<2>(field_of(of, "historyTexture" + end, Kind::list), 0, "historyTexture" + end);
+  p.material = whole_of(field_of(of, "material" + end, JsonKind::number), "material");
+  p.uv = numbers_of<2>(field_of(of, "historyTexture" + end, JsonKind::list), 0, "historyTexture" + end);
   if (of.find("displacement" + end))
-    p.displacement = numbers_of<3>(field_of(of, "displacement" + end, Kind::list), 0, "displacement" + end);
+    p.displacement = numbers_of<3>(field_of(of, "displacement" + end, JsonKind::list), 0, "displacement" + end);
   return p;
 }
 
@@ -83,7 +83,7 @@ constexpr KindName kNames[] = {
 };
 
 const LenientJson& list_of(const LenientJson& v, size_t least) {
-  if (!v.is(Kind::list)) throw BrokenAct{v.line, fmt::format("is {}; expected a list", kind_words(v.kind))};
+  if (!v.is(JsonKind::list)) throw BrokenAct{v.line, fmt::format("is {}; expected a list", kind_words(v.kind))};
   if (v.item.size() < least)
     throw BrokenAct{v.line, fmt::format("has {} points; expected {} or more", v.item.size(), least)};
   if (v.item.size() > PeerLimits::posts) throw BrokenAct{v.line, "has more than 2000 points"};
@@ -96,10 +96,10 @@ void read_cut(PeerAct& a, const LenientJson& v, const char* key, const char* in,
   const LenientJson& head = v.item[0];
   a.in = flag_of(head, in), a.out = flag_of(head, out);
   for (size_t i = 1; i < v.item.size(); ++i) {
-    const LenientJson& p = field_of(v.item[i], key, Kind::object);
+    const LenientJson& p = field_of(v.item[i], key, JsonKind::object);
     PeerAct::Post post{place_of(p), Vec3::Zero(), false};
     if (a.kind == PeerAct::Kind::deep_cut) {
-      post.normal = numbers_of<3>(field_of(p, "postNormal", Kind::list), 0, "postNormal");
+      post.normal = numbers_of<3>(field_of(p, "postNormal", JsonKind::list), 0, "postNormal");
       if (!(post.normal.norm() > 1e-6)) throw BrokenAct{p.line, "postNormal has no length"};
     }
     a.post.push_back(post);
@@ -108,7 +108,7 @@ void read_cut(PeerAct& a, const LenientJson& v, const char* key, const char* in,
 
 void read_outline(PeerAct& a, const LenientJson& v, const char* key) {
   for (const LenientJson& e : list_of(v, 2).item) {
-    const LenientJson& p = field_of(e, key, Kind::object);
+    const LenientJson& p = field_of(e, key, JsonKind::object);
     a.post.push_back({place_of(p), Vec3::Zero(), flag_of(p, "incisionConnect")});
   }
 }
@@ -117,7 +117,7 @@ void read_act(PeerAct& a, const LenientJson& v) {
   using K = PeerAct::Kind;
   switch (a.kind) {
     case K::load_scene:
-      if (!v.is(Kind::text) || v.text.empty()) throw BrokenAct{v.line, "names no scene file"};
+      if (!v.is(JsonKind::text) || v.text.empty()) throw BrokenAct{v.line, "names no scene file"};
       a.scene = v.text;
       break;
     case K::incision:
@@ -137,7 +137,7 @@ void read_act(PeerAct& a, const LenientJson& v) {
       break;
     case K::add_hook:
       a.post.push_back({place_of(v), Vec3::Zero(), false});
-      a.number = whole_of(field_of(v, "hookNum", Kind::number), "hookNum");
+      a.number = whole_of(field_of(v, "hookNum", JsonKind::number), "hookNum");
       a.strong = flag_of(v, "strongHook");
       break;
     case K::move_hook:
@@ -150,7 +150,7 @@ void read_act(PeerAct& a, const LenientJson& v) {
       break;
     case K::add_suture:
       a.post = {{place_of(v, "0"), Vec3::Zero(), false}, {place_of(v, "1"), Vec3::Zero(), false}};
-      a.number = whole_of(field_of(v, "sutureNum", Kind::number), "sutureNum");
+      a.number = whole_of(field_of(v, "sutureNum", JsonKind::number), "sutureNum");
       a.linked = flag_of(v, "linked");
       break;
     case K::nothing:
@@ -197,14 +197,14 @@ PeerHistory parse_peer_history(std::string_view text, const std::string& file) {
   PeerHistory h;
   h.file = file;
   const LenientJson root = parse_lenient_json(text, file, &h.mended);
-  if (!root.is(Kind::list))
+  if (!root.is(JsonKind::list))
     throw InputError(file, root.line, fmt::format("the history is {}; expected a list of acts", kind_words(root.kind)));
   if (root.item.size() > PeerLimits::acts)
     throw InputError(file, root.line, fmt::format("more than {} acts", PeerLimits::acts));
   for (const LenientJson& entry : root.item) {
     PeerAct a;
     a.line = entry.line;
-    if (!entry.is(Kind::object) || entry.key.size() != 1) {
+    if (!entry.is(JsonKind::object) || entry.key.size() != 1) {
       a.wrong = "is no act; expected an object with one entry, the act's name";
     } else {
       a.name = entry.key[0], a.line = entry.item[0].line;
