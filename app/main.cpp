@@ -50,6 +50,7 @@ int run_main(int argc, char** argv) {
   add_import(app, chosen);
   add_export(app, chosen);
   add_superpose(app, chosen);
+  add_cases(app, chosen);
   add_measures(app, chosen);
   add_actions(app, chosen);
   add_design(app, chosen);

@@ -36,6 +36,7 @@ void add_import(CLI::App& app, Chosen& chosen);
 void add_export(CLI::App& app, Chosen& chosen);
 void add_superpose(CLI::App& app, Chosen& chosen);
 void add_design(CLI::App& app, Chosen& chosen);
+void add_cases(CLI::App& app, Chosen& chosen);
 void add_measures(CLI::App& app, Chosen& chosen);
 void add_actions(CLI::App& app, Chosen& chosen);
 

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "app/assembly/cases.h"
 #include "app/assembly/exercise.h"
 #include "app/assembly/operation.h"
 #include "app/commands/closure_force.h"
@@ -37,7 +38,7 @@ namespace limberg {
 namespace {
 
 struct OperateOptions {
-  std::string scene, script, lesson, fields;
+  std::string scene, script, lesson, fields, of_case;
   double cell_mm = 0;
   std::vector<double> cells;
   std::string error;  // --error
@@ -162,8 +163,22 @@ void write_fields(const std::string& file, const World& world) {
   write_whole_file(file, text);
 }
 
-int run_operate(const OperateOptions& opt) {
+/// What a case names, as far as the call does not.
+OperateOptions with_case(OperateOptions opt) {
+  if (opt.of_case.empty()) {
+    if (opt.scene.empty() || opt.script.empty())
+      throw InputError("", 0, "operate wants a scene and a script; expected SCENE SCRIPT, or --case NAME");
+    return opt;
+  }
+  const Case c = open_case(opt.of_case);
+  opt.scene = c.lesson.scene, opt.script = c.script;
+  if (opt.lesson.empty()) opt.lesson = c.lesson.file;
+  return opt;
+}
+
+int run_operate(const OperateOptions& asked) {
   catch_interrupts();
+  const OperateOptions opt = with_case(asked);
   opt.common.prepare();
   offer_to_continue({opt.common.out_dir});
   if (!opt.fields.empty()) check_writable(opt.fields), check_replaces(opt.fields, kFieldsHeader, "a table of fields");
@@ -309,8 +324,11 @@ int run_operate(const OperateOptions& opt) {
 void add_operate(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<OperateOptions>();
   CLI::App* c = app.add_subcommand("operate", "Carry out an operation script to equilibrium, at any resolution");
-  c->add_option("SCENE", o->scene, "Scene file, or the name of a shipped scene")->required();
-  c->add_option("SCRIPT", o->script, "Operation script (JSON lines), or a repro-N.json of a refused cut")->required();
+  c->add_option("SCENE", o->scene, "Scene file, or the name of a shipped scene");
+  c->add_option("SCRIPT", o->script, "Operation script (JSON lines), or a repro-N.json of a refused cut");
+  c->add_option("--case", o->of_case, "Scene, script and lesson of this case of the library (limberg cases)")
+      ->type_name("NAME")
+      ->excludes(c->get_option("SCENE"));
   CLI::Option* one = c->add_option("--cell-mm", o->cell_mm, "Cell size instead of the scene's")
                          ->type_name("H")
                          ->check(number_from(0.05, 100.0));

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "app/assembly/cases.h"
 #include "app/commands/auto_option.h"
 #include "app/commands/left_recordings.h"
 #include "app/commands/numbers.h"
@@ -22,7 +23,7 @@ namespace limberg {
 namespace {
 
 struct RunOptions {
-  std::string scene = "rhomboid", record, calibration, lesson, judge, continued;
+  std::string scene = "rhomboid", record, calibration, lesson, judge, continued, of_case;
   std::vector<std::string> devices;
   double seconds = 0, cursor = 0;
   bool headless = false, replace = false, cut_at_end = false, slow_motion = false;
@@ -158,6 +159,16 @@ int run_session(const RunOptions& o) {
   return run_session(std::move(call));
 }
 
+/// What a case names, as far as the call does not.
+RunOptions with_case(RunOptions o) {
+  if (o.of_case.empty()) return o;
+  const Case c = open_case(o.of_case);
+  o.scene = c.lesson.scene;
+  if (o.lesson.empty()) o.lesson = c.script;
+  if (o.judge.empty()) o.judge = c.lesson.file;
+  return o;
+}
+
 }  // namespace
 
 void add_run(CLI::App& app, Chosen& chosen) {
@@ -171,6 +182,10 @@ void add_run(CLI::App& app, Chosen& chosen) {
                     "it is whole, the devices then take over, and all of it is recorded anew")
           ->type_name("FILE")
           ->excludes(scene);
+  c->add_option("--case", o->of_case, "Scene, steps and judge of this case of the library (limberg cases)")
+      ->type_name("NAME")
+      ->excludes(scene)
+      ->excludes(on);
   c->add_option("--device", o->devices, device_forms() + "; may be repeated (default: the mouse; without a window lcm)")
       ->type_name("SPEC");
   c->add_option("--calibration", o->calibration, "Calibration file of the device (default: identity)")
@@ -201,7 +216,7 @@ void add_run(CLI::App& app, Chosen& chosen) {
   c->footer(
       "Example: limberg run rhomboid --device emulated:recordings/rhomboid.jsonl --record my.lcm --headless --out "
       "out/my");
-  c->callback([o, &chosen] { chosen = [o] { return run_session(*o); }; });
+  c->callback([o, &chosen] { chosen = [o] { return run_session(with_case(*o)); }; });
 }
 
 }  // namespace limberg
