@@ -535,6 +535,7 @@ class Carrier {
     say(line + "}");
     stitched_[a.number] = at[0];
     const Tied tied{at[0], at[1], side[0] == "skin" && side[1] == "skin"};
+    ends_.insert(ends_.end(), {tied.a, tied.b});
     if (a.linked) row(tied);
     last_ = tied;
   }
@@ -552,8 +553,18 @@ class Carrier {
       now_.notes.push_back(fmt::format("its row to the stitch before is {:.1f} mm long: no room for one more", length));
       return;
     }
-    say(fmt::format(R"({{"action":"suture_between","from":{},"to":{},"spacing_mm":{:g}}})", place_text(last_->a),
-                    place_text(tied.a), settings_.spacing_mm));
+    say(fmt::format(R"({{"action":"suture_between","from":{},"to":{},"spacing_mm":{:g}}})", place_text(told_by(*last_)),
+                    place_text(told_by(tied)), settings_.spacing_mm));
+  }
+  /// The end of a stitch by which it is told from the others: the farther from theirs.
+  Vec3 told_by(const Tied& tied) const {
+    const auto apart = [&](const Vec3& p) {
+      double least = 1e300;
+      for (const Vec3& q : ends_)
+        if (q != tied.a && q != tied.b) least = std::min(least, (p - q).norm());
+      return least;
+    };
+    return apart(tied.a) >= apart(tied.b) ? tied.a : tied.b;
   }
   double bank_length(const Vec3& a, const Vec3& b) const {
     double length = (a - b).norm();
@@ -593,6 +604,7 @@ class Carrier {
   std::map<int, Vec3> hooks_, stitched_;
   std::vector<Vec3> hooked_;
   std::optional<Tied> last_;
+  std::vector<Vec3> ends_;  // of all stitches
   int group_ = 0, stitches_ = 0, stages_ = 0;
   size_t staged_ = 0;
 };

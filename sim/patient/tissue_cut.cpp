@@ -10,7 +10,7 @@ namespace limberg {
 namespace {
 
 // Of the surface of a piece that is taken out by touching it: more is one that sits on the bone.
-constexpr double kMostHeld = 0.2;
+constexpr double kMostHeld = 0.12;
 
 }  // namespace
 
