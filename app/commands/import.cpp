@@ -84,7 +84,8 @@ void add_import(CLI::App& app, Chosen& chosen) {
       ->check(number_from(0.001, 1000));
   c->add_option("--cell-mm", o->settings.cell_mm, "Of the scene's lattice [four cells of the peer's, 1.5 to 5]")
       ->check(number_from(0.2, 50));
-  c->add_option("--spacing-mm", o->settings.spacing_mm, "Between the stitches of a row [3]")
+  c->add_option("--spacing-mm", o->settings.spacing_mm,
+                "Between the stitches of a row [six cells of the peer's, 1.5 to 3]")
       ->check(number_from(0.5, 20));
   c->add_flag("--replace", o->replace, "Replace files of an earlier import");
   c->footer(

@@ -248,7 +248,12 @@ int run_operate(const OperateOptions& asked) {
     set.interrupted = interrupted;
     set.keep_going = opt.keep_going;
     carried_out.clear();
-    set.on_done = [&](const ScriptLine& l, const std::string&) {
+    set.on_done = [&](const ScriptLine& l, const std::string& note) {
+      if (i == 0 && !note.empty() && !std::holds_alternative<Undo>(l.command) &&
+          !std::holds_alternative<Redo>(l.command)) {
+        progress.clear();
+        say(fmt::format("{}:{}: {}: {}", script.name, l.line, action_name(l.command), note));
+      }
       carried_out.push_back(l.command), refused.done(l.command);
     };
     set.on_refusal = [&](const Command& c, const std::string& reason) {

@@ -23,6 +23,7 @@ constexpr double kLeastDepth_mm = 0.5;
 constexpr double kThickest_mm = 25;  // of tissue over periosteum
 constexpr double kHookBeside_mm = 0.8;
 constexpr int kStitchesToStage = 5;
+constexpr double kTurnedAway = 0.34;  // cosine; the program's own limit is some 78 degrees
 
 std::string place_text(const Vec3& p) { return fmt::format("[{:.3f},{:.3f},{:.3f}]", p.x(), p.y(), p.z()); }
 std::string places_text(const std::vector<Vec3>& all) {
@@ -307,6 +308,34 @@ class Carrier {
       cuts_.add(part, true);
       add_exit(part, normals[i], normals[i + 1]);
     }
+    const size_t n = posts.size();
+    if (a.in) add_margin(posts[0], path[1], normals[0]);
+    if (a.out) add_margin(posts[n - 1], path[n - 2], normals[n - 1]);
+  }
+
+  /// From an open end of a cut on the skin over the free margin to where the blade comes out: round in the blade's plane.
+  void add_margin(const SurfaceSpot& last, const Vec3& before_mm, const Vec3& out) {
+    std::array<Bvh::LineHit, 8> hits;
+    const int n = std::min<int>(m_.all.line(last.at_mm, -out, 0.1, 100, hits), int(hits.size()));
+    const Bvh::LineHit* exit = nullptr;
+    for (int k = 0; k < n && !exit; ++k)
+      if (!hits[size_t(k)].from_outside) exit = &hits[size_t(k)];
+    Vec3 way = last.at_mm - before_mm;
+    way -= way.dot(out) * out;
+    if (!exit || way.norm() < 1e-6) return;
+    const Vec3 goal = m_.at(exit->triangle, exit->bary), across = way.normalized().cross(out);
+    const double step = cuts_.step_mm();
+    SurfaceLine line{last};
+    for (double left = 60; left > 0; left -= step) {
+      const SurfaceSpot& here = line.back();
+      const Vec3 along = across.cross(m_.normal_at(here.triangle, here.bary));
+      Vec3 to = here.at_mm - step * along.normalized();
+      to -= across.dot(to - last.at_mm) * across;
+      const SurfaceSpot next = walk_to(m_, here, to, 6 * step);
+      if ((next.at_mm - here.at_mm).norm() < 0.1 * step) return;
+      line.push_back(next);
+      if ((next.at_mm - goal).norm() < 2 * step) return cuts_.add(line, true);
+    }
   }
 
   /// The other side of a cut through the body, as far as it is there.
@@ -345,6 +374,7 @@ class Carrier {
     std::vector<SurfaceSpot> posts;
     std::vector<double> depth;
     for (const FoundPlace& f : *found) posts.push_back(f.spot), depth.push_back(depth_at(f.spot)), worked_at(f.spot);
+    leave_out_what_turns_away(posts);
     const auto outline = enclosed(a, posts);
     if (!outline) return refuse("encloses nothing: two points, and no way along cuts between them");
     const double d = median_of(depth);
@@ -352,6 +382,24 @@ class Carrier {
     say(fmt::format(R"({{"action":"undermine","outline":{},"depth_mm":{:.2f}}})", places_text(*outline), d));
     if (*most > 1.5 * *least)
       change(fmt::format("at one depth, {:.1f} mm; the skin is {:.1f} to {:.1f} mm deep there", d, *least, *most));
+  }
+
+  /// An act of ours looks at the skin from one side; a point on skin that turns away from there is left out.
+  void leave_out_what_turns_away(std::vector<SurfaceSpot>& posts) {
+    int left_out = 0;
+    for (bool again = true; again && posts.size() > 4;) {
+      Vec3 mean = Vec3::Zero();
+      for (const SurfaceSpot& s : posts) mean += m_.normal_at(s.triangle, s.bary);
+      mean.normalize();
+      const auto worst = std::min_element(posts.begin() + 1, posts.end() - 1, [&](const auto& x, const auto& y) {
+        return m_.normal_at(x.triangle, x.bary).dot(mean) < m_.normal_at(y.triangle, y.bary).dot(mean);
+      });
+      again = m_.normal_at(worst->triangle, worst->bary).dot(mean) < kTurnedAway;
+      if (again) posts.erase(worst), ++left_out;
+    }
+    if (left_out > 0)
+      change(fmt::format("{} of its points left out, where the skin turns away from the others by more than 70 degrees",
+                         left_out));
   }
 
   /// Points joined in their order, closed along the cuts where both ends are joined to one.
@@ -469,7 +517,10 @@ class Carrier {
   /// A stitch's end: laid just beside the edge of its bank.
   Vec3 bite(const FoundPlace& f) {
     Vec3 at = on_bank(f, settings_.beside_mm);
-    const auto near = cuts_.nearest(at, kOwnReach_mm);
+    auto near = cuts_.nearest(at, kOwnReach_mm);
+    // Not one of the other lip, which is near through the air.
+    if (near && (walk_to(m_, f.spot, near->at_mm, 2 * kOwnReach_mm).at_mm - near->at_mm).norm() > cuts_.step_mm())
+      near.reset();
     if (!near) {
       change("no cut lies within 4 mm of an end");
       return at;
@@ -535,6 +586,7 @@ class Carrier {
     say(line + "}");
     stitched_[a.number] = at[0];
     const Tied tied{at[0], at[1], side[0] == "skin" && side[1] == "skin"};
+    ends_.insert(ends_.end(), {tied.a, tied.b});
     if (a.linked) row(tied);
     last_ = tied;
   }
@@ -552,8 +604,18 @@ class Carrier {
       now_.notes.push_back(fmt::format("its row to the stitch before is {:.1f} mm long: no room for one more", length));
       return;
     }
-    say(fmt::format(R"({{"action":"suture_between","from":{},"to":{},"spacing_mm":{:g}}})", place_text(last_->a),
-                    place_text(tied.a), settings_.spacing_mm));
+    say(fmt::format(R"({{"action":"suture_between","from":{},"to":{},"spacing_mm":{:g}}})", place_text(told_by(*last_)),
+                    place_text(told_by(tied)), settings_.spacing_mm));
+  }
+  /// The end of a stitch by which it is told from the others: the farther from theirs.
+  Vec3 told_by(const Tied& tied) const {
+    const auto apart = [&](const Vec3& p) {
+      double least = 1e300;
+      for (const Vec3& q : ends_)
+        if (q != tied.a && q != tied.b) least = std::min(least, (p - q).norm());
+      return least;
+    };
+    return apart(tied.a) >= apart(tied.b) ? tied.a : tied.b;
   }
   double bank_length(const Vec3& a, const Vec3& b) const {
     double length = (a - b).norm();
@@ -593,6 +655,7 @@ class Carrier {
   std::map<int, Vec3> hooks_, stitched_;
   std::vector<Vec3> hooked_;
   std::optional<Tied> last_;
+  std::vector<Vec3> ends_;  // of all stitches
   int group_ = 0, stitches_ = 0, stages_ = 0;
   size_t staged_ = 0;
 };

@@ -130,7 +130,10 @@ Imported import_peer(const ImportSettings& s) {
   x.skin_mm = x.model.median_depth_mm();
   if (!(x.skin_mm > 0)) x.skin_mm = 2;
   CarrySettings c;
-  c.spacing_mm = s.spacing_mm;
+  // An infant's lip wants finer stitches than a cheek: by the cells that the peer thought fit for it.
+  const double fine_mm = x.model.history_mm > 0 ? x.model.history_mm : 1;
+  x.spacing_mm = c.spacing_mm = s.spacing_mm > 0 ? s.spacing_mm : std::clamp(6 * fine_mm, 1.5, 3.0);
+  x.bite_mm = std::clamp(3 * fine_mm, 0.5, 2.0);
   x.operation = carry(history, x.model, c);
   x.mended = history.mended;
   x.mended.insert(x.mended.end(), x.scene.mended.begin(), x.scene.mended.end());

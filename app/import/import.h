@@ -30,7 +30,7 @@ struct Imported {
   PeerModel model;
   CarriedOperation operation;
   std::vector<std::string> mended, missing;  // let pass in the files; of the peer's scene what ours has not
-  double unit_mm = 0, cell_mm = 0, region_mm = 0, skin_mm = 0;
+  double unit_mm = 0, cell_mm = 0, region_mm = 0, skin_mm = 0, spacing_mm = 0, bite_mm = 0;
   bool unit_guessed = false;
   int64_t triangles = 0, held = 0;
 };

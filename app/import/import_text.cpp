@@ -62,8 +62,9 @@ std::string scene_toml(const Imported& x) {
       "poisson = 0.45\ndensity_kg_m3 = 950\n\n[lattice]\ncell_mm = {:.3g}\nregion_mm = {:.0f}  # what lies farther "
       "from the "
       "operation holds still\n\n[solver]\niterations_per_step = 10\nseed = 1\n\n[tools]\nmax_depth_mm = 40\n"
-      "default_depth_mm = {:.2f}\ndefault_spacing_mm = 3\n\n",
-      x.skin_mm, x.cell_mm, x.region_mm, std::clamp(1.1 * x.skin_mm, 0.1, 40.0));
+      "default_depth_mm = {:.2f}\ndefault_spacing_mm = {:.3g}\n\n[springs]\nsuture_bite_mm = {:.3g}\nhook_tip_mm = "
+      "{:.3g}\n\n",
+      x.skin_mm, x.cell_mm, x.region_mm, std::clamp(1.1 * x.skin_mm, 0.1, 40.0), x.spacing_mm, x.bite_mm, x.bite_mm);
   const double distance = std::clamp(5.0 * o.reach_mm + 40, 60.0, 2000.0);
   t += fmt::format("[camera]\ntarget_mm = {}\nfrom = {}\nup = {}\ndistance_mm = {:.0f}\nfov_deg = 28\n",
                    place(o.middle_mm), direction(n), direction(e2), distance);

@@ -280,7 +280,19 @@ Outcome Sutures::act(const Suture& c) {
   Stitch stitch = between(*a, *b, tissue_.spec().suture_bite_mm);
   stitch.id = holding_.next_stitch++, stitch.spring = holding_.next_spring++;
   holding_.stitches.push_back(stitch);
-  return {true, {}};
+  return {true, through_whole_skin(*a, *b)};
+}
+
+// A surgeon may tie one, to gather skin or to hold a flap down; mostly it is a slip, and puckers the skin.
+std::string Sutures::through_whole_skin(const Anchor& a, const Anchor& b) const {
+  const auto whole = [&](const Anchor& x) {
+    return !x.in_wall() && !spot_on(tissue_.rim(), *tissue_.version().index, x);
+  };
+  const int ends = whole(a) + whole(b);
+  if (ends == 0) return {};
+  const Vec3& X = whole(a) ? a.X_mm : b.X_mm;
+  return fmt::format("{} through whole skin: no wound's edge lies within {:g} mm of ({:.1f}, {:.1f}, {:.1f}) mm",
+                     ends == 2 ? "both ends go" : "one end goes", kStitchReach_mm, X.x(), X.y(), X.z());
 }
 
 Outcome Sutures::act(const SutureCorner& c) {

@@ -41,6 +41,7 @@ class Sutures {
   std::optional<Anchor> find_bite(const ChartPoint& p, double depth_mm, std::string& reason,
                                   HeldSide side = HeldSide::skin) const;
   std::optional<Anchor> bite_at(const SurfacePoint& rim, double depth_mm, std::string& reason) const;
+  std::string through_whole_skin(const Anchor& a, const Anchor& b) const;  // a note; empty: neither bite does
   /// Index into the stitches.
   std::optional<size_t> find_stitch(const StitchPick& pick, std::string& reason) const;
   void widen(Anchor& bite) const;

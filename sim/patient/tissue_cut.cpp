@@ -1,11 +1,18 @@
 #include "sim/patient/tissue_cut.h"
 
 #include "sim/base/error.h"
+#include "sim/geometry/triangle.h"
 #include "sim/lattice/contradiction.h"
 #include "sim/lattice/embedding.h"
 #include "sim/lattice/region.h"
 
 namespace limberg {
+namespace {
+
+// Of the surface of a piece that is taken out by touching it: more is one that sits on the bone.
+constexpr double kMostHeld = 0.12;
+
+}  // namespace
 
 TissueCut::TissueCut(Tissue& tissue, Divide divide)
     : tissue_(tissue),
@@ -66,14 +73,28 @@ Outcome TissueCut::take_out(const Vec3& at_mm) {
               "were expected");
 }
 
+double TissueCut::held_share(int32_t component) const {
+  const SurfaceView& view = tissue_.surface().view;
+  double all = 0, held = 0;
+  for (size_t t = 0; t < view.tri.size(); ++t) {
+    if (arrangement_.component_of(view.sided_face[t]) != component) continue;
+    const Tri& c = view.tri[t];
+    const double area = area_vector2(view.X_mm[size_t(c[0])], view.X_mm[size_t(c[1])], view.X_mm[size_t(c[2])]).norm();
+    all += area;
+    if (view.kind[t] == FaceKind::fixed) held += area;
+  }
+  return all > 0 ? held / all : 1;
+}
+
 Outcome TissueCut::take_out(const SurfacePoint& touched) {
   const std::vector<SurfaceComponent>& all = arrangement_.components();
   const int32_t c = arrangement_.component_of(tissue_.surface().view.sided_face[size_t(touched.triangle)]);
-  const bool held = c < 0 || all[size_t(c)].touches_fixed;
+  const bool held = c < 0 || (all[size_t(c)].touches_fixed && held_share(c) > kMostHeld);
   const bool most = c >= 0 && 2 * all[size_t(c)].volume_mm3 > arrangement_.volume_mm3();
-  return take(held || most ? -1 : c,
-              "the tissue there is still attached; a piece that cuts have freed all round was expected (incise round it "
-              "and undermine it, or give \"outline\" and \"depth_mm\")");
+  return take(
+      held || most ? -1 : c,
+      "the tissue there is still attached; a piece that cuts have freed all round was expected (incise round it "
+      "and undermine it, or give \"outline\" and \"depth_mm\")");
 }
 
 Outcome TissueCut::take(int32_t component, const char* attached) {

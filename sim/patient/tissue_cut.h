@@ -46,7 +46,8 @@ class TissueCut {
   CutResult cut(const Blade& blade, uint64_t seed, const std::optional<Vec3>& take_out_mm = {});
   /// Takes out what is loose there.
   Outcome take_out(const Vec3& at_mm);
-  /// Takes out the piece that this point of the present surface belongs to; refused while it is held or is the patient.
+  /// Takes out the piece that this point of the present surface belongs to; refused while a good part of it is held, or
+  /// where it is the patient. A strip of periosteum at its edge goes with it.
   Outcome take_out(const SurfacePoint& touched);
   /// The same blade, seed and try on the same state; false: other bits came of it, a defect.
   bool again(const CutStep& step);
@@ -66,6 +67,7 @@ class TissueCut {
   static void make_room_to_take_back(Tissue& tissue, std::span<const CutStep> steps);
 
  private:
+  double held_share(int32_t component) const;  // of its surface
   Outcome follow();
   Outcome take(int32_t component, const char* attached);
   void back_to(int32_t operations);

@@ -42,26 +42,79 @@ std::optional<Ruling> ruling_at(const Skin& skin, const Vec3& X, const Vec3& out
   return best;
 }
 
-/// Whether the ruling, as long as its neighbour's, meets the body nowhere.
-bool clear(const Skin& skin, const Vec3& X, const Ruling& beside, double margin) {
-  return skin.surface().line(X + margin * beside.out, -beside.out, 0, beside.through_mm + 2 * margin).empty();
-}
+/// Where lines along -out, moved on by `step` along `way`, lie within the body: of each the stretches, in mm below the
+/// highest point looked at.
+struct Section {
+  static constexpr double kStep_mm = 0.1;
+  double above_mm = 0;
+  std::vector<std::vector<std::pair<double, double>>> column;
 
-/// Rulings beyond an end, as the last one moved on along `way`: to where the body ends; empty when it goes on.
-std::vector<Ruling> over_margin(const Skin& skin, const Ruling& last, const Vec3& way, double margin) {
-  std::vector<Ruling> out;
-  for (double s = kMarginStep_mm; s <= kMarginReach_mm; s += kMarginStep_mm) {
-    Ruling next = last;
-    next.drawn = false;
-    next.X += s * way;
-    const bool outside = clear(skin, next.X, last, margin);
-    out.push_back(next);
-    if (!outside) continue;
-    next.X += margin * way;
-    out.push_back(next);
-    return out;
+  Section(const Skin& skin, const Ruling& last, const Vec3& way, double reach_mm) : above_mm(reach_mm) {
+    const int n = int(std::ceil(reach_mm / kStep_mm));
+    for (int i = 0; i <= n; ++i) {
+      column.emplace_back();
+      const Vec3 from = last.X + i * kStep_mm * way + above_mm * last.out;
+      double in = -1;
+      for (const Bvh::LineHit& h : skin.surface().line(from, -last.out, 0, above_mm + kThickest_mm)) {
+        if (h.from_outside && in < 0) in = h.t;
+        if (h.from_outside || in < 0) continue;
+        column.back().push_back({in, h.t});
+        in = -1;
+      }
+      if (in >= 0) column.back().push_back({in, above_mm + kThickest_mm});
+    }
   }
-  return {};
+};
+
+/// Rulings beyond an end, as the last one moved on along `way`, to where the part of the body ends that the last one
+/// goes through; empty when it goes on. Another part may lie close behind its margin, the other lip or the other lid:
+/// what hangs together with the last ruling in their common plane is followed, and what else the blade meets there has
+/// no seed.
+std::vector<Ruling> over_margin(const Skin& skin, const Ruling& last, const Vec3& way, double margin) {
+  const Section section(skin, last, way, kMarginReach_mm);
+  using Stretch = std::pair<double, double>;
+  std::vector<std::vector<char>> part;  // of each column, which stretches belong to it
+  for (const auto& c : section.column) part.emplace_back(c.size(), char(0));
+  std::vector<std::pair<size_t, size_t>> open;
+  const auto reach = [&](size_t i, const Stretch& from) {
+    for (size_t k = 0; k < part[i].size(); ++k) {
+      const Stretch& s = section.column[i][k];
+      if (part[i][k] || std::min(s.second, from.second) <= std::max(s.first, from.first)) continue;
+      part[i][k] = 1;
+      open.push_back({i, k});
+    }
+  };
+  reach(0, {section.above_mm, section.above_mm + last.through_mm});
+  size_t end = 0;
+  while (!open.empty()) {
+    const auto [i, k] = open.back();
+    open.pop_back();
+    if (i + 1 == part.size()) return {};
+    end = std::max(end, i);
+    const Stretch here = section.column[i][k];
+    if (i > 0) reach(i - 1, here);
+    reach(i + 1, here);
+  }
+  const auto ruling = [&](double s) {
+    // As high and as deep as the part is there: a margin may stand out over both sides.
+    double top = section.above_mm, foot = section.above_mm + last.through_mm;
+    const size_t at = std::min(end, size_t(s / Section::kStep_mm));
+    for (size_t i = at > 4 ? at - 4 : 0; i <= std::min(end, at + 4); ++i)
+      for (size_t k = 0; k < part[i].size(); ++k)
+        if (part[i][k])
+          top = std::min(top, section.column[i][k].first), foot = std::max(foot, section.column[i][k].second);
+    Ruling r = last;
+    r.drawn = false;
+    r.X += s * way + (section.above_mm - top) * last.out;
+    r.through_mm = foot - top;
+    return r;
+  };
+  std::vector<Ruling> out;
+  const double beyond = (double(end) + 1) * Section::kStep_mm;
+  for (double s = kMarginStep_mm; s < beyond; s += kMarginStep_mm) out.push_back(ruling(s));
+  out.push_back(ruling(beyond));
+  out.push_back(ruling(beyond + margin));
+  return out;
 }
 
 Blade strip_of(const BladeContext& c, std::span<const Ruling> rulings, double margin) {

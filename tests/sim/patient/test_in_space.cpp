@@ -5,6 +5,7 @@
 
 #include "sim/base/error.h"
 #include "sim/commands/script.h"
+#include "sim/patient/soft_tissue.h"
 #include "sim/patient/world.h"
 #include "tests/sim/patient/lip.h"
 #include "tests/sim/patient/small_block.h"
@@ -101,6 +102,88 @@ TEST(InSpace, AWedgeIsCutThroughALipAndTakenOut) {
   Snapshot s;
   world.fill(s);
   for (const auto& stitch : s.sutures) EXPECT_LT(stitch.gap_mm, 0.5) << stitch.id;
+}
+
+/// A mouth that is shut: two lips 8 mm thick with 0.4 mm between their margins, before a plate that is held; all of one
+/// section, along x.
+std::string shut_mouth_obj() {
+  const std::array<double, 6> y{-26, -20, -0.2, 0.2, 20, 26};
+  const std::array<double, 4> z{-10, -4, 6, 14};
+  constexpr int n = 20;
+  const auto solid = [](int j, int k) {
+    return j >= 0 && j < 5 && k >= 0 && k < 3 && (k == 0 || j == 0 || j == 4 || (k == 2 && j != 2));
+  };
+  std::string obj;
+  for (int i = 0; i <= n; ++i)
+    for (const double h : y)
+      for (const double d : z)
+        obj += "v " + std::to_string(44.0 * i / n - 22) + " " + std::to_string(h) + " " + std::to_string(d) + "\n";
+  const auto at = [](int i, int j, int k) { return " " + std::to_string(1 + (i * 6 + j) * 4 + k); };
+  for (int j = 0; j < 5; ++j)
+    for (int k = 0; k < 3; ++k) {
+      if (!solid(j, k)) continue;
+      obj += "f" + at(0, j, k) + at(0, j, k + 1) + at(0, j + 1, k + 1) + at(0, j + 1, k) + "\n";
+      obj += "f" + at(n, j, k) + at(n, j + 1, k) + at(n, j + 1, k + 1) + at(n, j, k + 1) + "\n";
+      const auto side = [&](int j0, int k0, int j1, int k1) {
+        for (int i = 0; i < n; ++i)
+          obj += "f" + at(i, j0, k0) + at(i, j1, k1) + at(i + 1, j1, k1) + at(i + 1, j0, k0) + "\n";
+      };
+      if (!solid(j - 1, k)) side(j, k + 1, j, k);
+      if (!solid(j + 1, k)) side(j + 1, k, j + 1, k + 1);
+      if (!solid(j, k - 1)) side(j, k, j + 1, k);
+      if (!solid(j, k + 1)) side(j + 1, k + 1, j, k + 1);
+    }
+  return obj;
+}
+
+TEST(InSpace, AnOpenEndStopsBetweenTheLipsOfAShutMouth) {
+  WorldSpec spec = test::lip();
+  ObjSpec o;
+  o.path = "mouth.obj", o.deep_angle_deg = 0, o.deep_plane_mm = 9.9, o.layers = spec.body->layers;
+  auto body = std::make_shared<Body>(parse_obj(shut_mouth_obj(), o));
+  spec.body = body;
+  InlineWorkers workers;
+  World world(spec, workers);
+  const Outcome cut = world.apply(line(
+      R"({"action":"cut_through","path":[[-6.1,4.1,14],[-6.1,12,14],[6.2,12,14],[6.2,4.1,14]],"normals":[[0,0,1],[0,0,1],[0,0,1],[0,0,1]],"open_start":true,"open_end":true})"));
+  ASSERT_TRUE(cut.done) << cut.reason;
+  const SurfaceView& v = world.skin()->topology()->view;
+  for (size_t t = 0; t < v.tri.size(); ++t)
+    if (v.kind[t] == FaceKind::wall)
+      for (const int32_t c : v.tri[t]) ASSERT_GT(v.X_mm[size_t(c)].y(), 0) << "the other lip is cut";
+  const Outcome taken = world.apply(line(R"({"action":"excise","at":[0,6,14]})"));
+  ASSERT_TRUE(taken.done) << taken.reason;
+  EXPECT_NEAR(world.skin()->removed_volume_mm3(), 12.3 * 11.8 * 8, 0.01 * 12.3 * 11.8 * 8);
+}
+
+/// The same lip, its back held to bone from y = 0 to so far.
+WorldSpec lip_on_bone(double held_to_mm) {
+  WorldSpec spec = test::lip();
+  auto body = std::make_shared<Body>(*spec.body);
+  for (size_t t = 0; t < body->surface.tri.size(); ++t) {
+    bool back = true;
+    for (const int32_t c : body->surface.tri[t]) {
+      const Vec3& X = body->surface.X_mm[size_t(c)];
+      back = back && X.z() == 0 && X.y() <= held_to_mm;
+    }
+    if (back) body->surface.tag[t] = SurfaceTag::fixed;
+  }
+  spec.body = body;
+  return spec;
+}
+
+TEST(InSpace, ALoosePieceTakesAStripOfPeriosteumWithItAndNoMore) {
+  for (const double held_to_mm : {10.0, 22.0}) {
+    InlineWorkers workers;
+    World world(lip_on_bone(held_to_mm), workers);
+    ASSERT_TRUE(
+        world
+            .apply(line(
+                R"({"action":"cut_through","path":[[-6.3,20.5,8],[0.2,8,8],[6.4,20.5,8]],"open_start":true,"open_end":true})"))
+            .done);
+    const Outcome taken = world.apply(line(R"({"action":"excise","at":[0,19,8]})"));
+    EXPECT_EQ(taken.done, held_to_mm < 15) << held_to_mm << taken.reason;
+  }
 }
 
 TEST(InSpace, AClosedCutThroughOpensToBothSidesAndStopsAtItsPosts) {

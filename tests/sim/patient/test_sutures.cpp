@@ -364,6 +364,18 @@ TEST(Stitch, BothBitesInOneBankAreKnown) {
   EXPECT_EQ(world.skin()->stitches_in_one_bank(), (std::vector<int>{2, 3}));
 }
 
+TEST(Stitch, ThroughWholeSkinIsTiedAndSaid) {
+  InlineWorkers workers;
+  World world(block(), workers);
+  must(world, Incise{{{-15, 0}, {15, 0}}, 4, 90});
+  EXPECT_EQ(world.apply(Suture{{-6, 1}, {-6, -1}}).reason, "");
+  EXPECT_EQ(world.apply(Suture{{6, 1.9}, {6, -1.9}}).reason, "");
+  const Outcome one = world.apply(Suture{{0, 1}, {0, -4}}), both = world.apply(Suture{{-3, 10}, {3, 10}});
+  EXPECT_TRUE(one.done && both.done);
+  EXPECT_EQ(one.reason.rfind("one end goes through whole skin", 0), 0u) << one.reason;
+  EXPECT_EQ(both.reason.rfind("both ends go through whole skin", 0), 0u) << both.reason;
+}
+
 TEST(SutureBetween, FillsTheWoundBetweenTwoStitches) {
   Slit s;
   must(s.world, Suture{{-10, 0}, {-10, 1.6}});

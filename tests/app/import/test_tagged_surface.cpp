@@ -1,0 +1,83 @@
+// The materials of an OBJ say what its faces are.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "app/import/import.h"
+#include "app/program/temporary_folder.h"
+#include "app/scene/scene.h"
+#include "sim/base/error.h"
+#include "sim/base/whole_file.h"
+#include "sim/body/obj.h"
+#include "tests/app/import/peer_fixture.h"
+
+namespace limberg {
+namespace test_tagged_surface {
+
+using test::PeerFixture;
+using What = ObjTag::What;
+
+std::string refused(const std::function<void()>& f) {
+  try {
+    f();
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(TaggedSurface, EachMaterialIsWhatItIsSaidToBe) {
+  const PeerFixture f;
+  ObjSpec spec;
+  spec.path = "slab.obj", spec.scale_to_mm = 10;
+  spec.tags = {{"1", What::held_softly}, {"2", What::skin}, {"7", What::held}};
+  const Body b = parse_obj(f.obj, spec);
+  const auto count = [](const Body& body, SurfaceTag t) {
+    return std::count(body.surface.tag.begin(), body.surface.tag.end(), t);
+  };
+  const long bone = 12 * 16 * 2, sides = 16 * 2 + 2 * 24 * 2;
+  EXPECT_EQ(count(b, SurfaceTag::fixed), bone + sides);
+  EXPECT_EQ(count(b, SurfaceTag::skin), long(b.surface.tri.size()) - bone - sides);
+  for (size_t t = 0; t < b.surface.tri.size(); ++t) {
+    const Vec3& X = b.surface.X_mm[size_t(b.surface.tri[t][0])];
+    if (X.z() == 12 && X.y() > 0 && X.y() < 40 && X.x() > 0 && X.x() < 60) {
+      EXPECT_EQ(b.surface.tag[t], SurfaceTag::skin);
+    }
+  }
+  spec.tags[2].what = What::cut;
+  EXPECT_EQ(count(parse_obj(f.obj, spec), SurfaceTag::free), bone);
+  // A tag for each material, and none for others.
+  spec.tags.pop_back();
+  EXPECT_NE(refused([&] { parse_obj(f.obj, spec); }).find("material '7', which is not tagged"), std::string::npos);
+  spec.tags.push_back({"8", What::held});
+  EXPECT_NE(refused([&] { parse_obj(f.obj, spec); }).find("no faces of material '8'"), std::string::npos);
+  spec.tags = {{"1", What::held}, {"2", What::held}, {"7", What::held}};
+  EXPECT_NE(refused([&] { parse_obj(f.obj, spec); }).find("expected some skin"), std::string::npos);
+}
+
+TEST(TaggedSurface, ASceneRefusesWhatItCannotMean) {
+  const PeerFixture f;
+  const TemporaryFolder folder;
+  const auto at = [&](const char* name) { return (folder.path() / name).string(); };
+  write_whole_file(at("slab.smd"), PeerFixture::scene());
+  write_whole_file(at("slab.obj"), f.obj);
+  const Imported x = import_peer({at("slab.smd"), {}, folder.path().string(), 10, 0, 0});
+  EXPECT_EQ(x.bed_file, "");
+  write_whole_file(at("slab.obj"), surface_obj(x));
+  const std::string good = scene_toml(x);
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string s = good;
+    s.replace(s.find(from), from.size(), to);
+    return refused([&] { build_body(parse_scene(s, at("slab.toml"))); });
+  };
+  EXPECT_EQ(with("name", "name"), "");
+  EXPECT_NE(with("\"held_softly\"", "\"sticky\"").find("what is of no known kind"), std::string::npos);
+  EXPECT_NE(with("material = \"2\"", "material = \"1\"").find("tagged twice"), std::string::npos);
+  EXPECT_NE(with("what = \"skin\"", "colour = \"red\"").find("what is missing"), std::string::npos);
+  EXPECT_NE(with("what = \"skin\"", "what = \"skin\"\nwhere = 1").find("unknown key"), std::string::npos);
+  EXPECT_NE(with("source = \"obj\"", "source = \"obj\"\ndeep_angle_deg = 10").find("expected one of them"),
+            std::string::npos);
+}
+
+}  // namespace test_tagged_surface
+}  // namespace limberg
