@@ -16,10 +16,12 @@
 #include "app/commands/session_command.h"
 #include "app/commands/this_call.h"
 #include "app/commands/unfinished.h"
+#include "app/export/page_model.h"
 #include "app/pictures/pictures.h"
 #include "app/program/interrupt.h"
 #include "app/program/shipped.h"
 #include "app/report/report_names.h"
+#include "app/report/viewer.h"
 #include "app/result/discretisation.h"
 #include "app/result/error_goal.h"
 #include "app/result/metrics.h"
@@ -233,8 +235,12 @@ int run_operate(const OperateOptions& opt) {
     set.interrupted = interrupted;
     set.keep_going = opt.keep_going;
     carried_out.clear();
+    std::optional<PageModel> model;
+    Snapshot now;
+    if (!opt.common.out_dir.empty() && viewer_is_built()) world.fill(now), model.emplace("act").frame(0, now);
     set.on_done = [&](const ScriptLine& l, const std::string&) {
       carried_out.push_back(l.command), refused.done(l.command);
+      if (model) world.fill(now), model->acted(l.command, now);
     };
     set.on_refusal = [&](const Command& c, const std::string& reason) {
       progress.clear();
@@ -289,6 +295,7 @@ int run_operate(const OperateOptions& opt) {
       Snapshot last;
       world.fill(last, true);  // with the tension
       draw_report_pictures(opt.common.out_dir, o.stages, last);
+      if (model) model->ended(last), model->leave(opt.common.out_dir, scene.name, report_camera(last), kReportAspect);
     }
   }
   if (rows.size() > 1) fill_convergence(result, rows);

@@ -8,6 +8,7 @@
 #include "app/report/page.h"
 #include "app/report/report_file.h"
 #include "app/report/sections.h"
+#include "app/report/viewer.h"
 #include "sim/base/whole_file.h"
 
 namespace limberg {
@@ -193,10 +194,12 @@ Markup scripts(const Sides& sides) {
 constexpr Markup (*kCompared[])(const Sides&) = {figures_of, stitches, pictures, lanes, scripts};
 
 std::string page_of(const Sides& sides) {
-  Markup all;
+  const Viewer turned =
+      viewer({{title_of(sides.first.d), sides.first.dir}, {title_of(sides.second.d), sides.second.dir}});
+  Markup all = turned.section;
   for (const auto& section : kCompared) all += section(sides);
   return text_of({"Comparison", "Two operations compared", operations(sides.first, sides.second),
-                  differences(sides.first.d, sides.second.d), all, sections::footer(sides.second)});
+                  differences(sides.first.d, sides.second.d), all, sections::footer(sides.second), turned.nonce});
 }
 
 }  // namespace
