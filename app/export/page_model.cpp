@@ -242,6 +242,7 @@ PageJson things_of(const RenderScene& scene, const Snapshot& s, double at) {
   for (const HookState& h : s.hooks)
     if (h.at_mm.allFinite() && h.handle_mm.allFinite())
       j["hooks"].push_back({{"id", h.id},
+                            {"up", told(nearest_skin(scene, h.at_mm).normal)},
                             {"at", told(h.at_mm)},
                             {"handle", told(h.handle_mm)},
                             {"force_N", told(double(h.force_N.norm()))}});

@@ -88,6 +88,29 @@ function evenly(path, n) {
   return out;
 }
 
+/// Fewer triangles over the same vertices, for pictures that are gone at once: those whose corners lie in different cubes
+/// of `wide` mm, a vertex of each cube and way that it faces for all.
+function coarser(index, base, normal, step, wide) {
+  const first = new Map(), to = new Map(), out = [];
+  const kept = (v) => {
+    let w = to.get(v);
+    if (w !== undefined) return w;
+    const at = (k) => Math.floor(base[4 * v + k] * step / wide), n = [0, 1, 2].map((k) => normal[3 * v + k]);
+    const long = n.map(Math.abs), axis = long.indexOf(Math.max(...long));
+    const key = ((at(0) * 1024 + at(1)) * 1024 + at(2)) * 8 + axis * 2 + (n[axis] > 0 ? 1 : 0);
+    if (!first.has(key)) first.set(key, v);
+    w = first.get(key);
+    to.set(v, w);
+    return w;
+  };
+  for (let t = 0; t < index.length; t += 3) {
+    const a = kept(index[t]), b = kept(index[t + 1]), c = kept(index[t + 2]);
+    if (a !== b && b !== c && c !== a) out.push(a, b, c);
+  }
+  return new index.constructor(out);
+}
+const kQuickTriangles = 24000;  // of all patients together: so many a processor alone draws in a thirtieth of a second
+
 // ---- looks: the light and the colours of the pictures (render/shaders.cpp) --------------------------------------------
 
 // Light falls on vertices, which lie closer than pixels' worth of shading, so that a processor alone draws it fast.
@@ -303,11 +326,13 @@ class Patient {
       g.setAttribute('chart', chart);
       g.setAttribute('about', about);
       g.setAttribute('rgba', rgba);
-      g.setIndex(new THREE.BufferAttribute(part.index, 1));
+      part.whole = part.whole || new THREE.BufferAttribute(part.index, 1);
+      g.setIndex(part.whole);
       const mesh = new THREE.Mesh(g, material);
       mesh.frustumCulled = false;
       mesh.renderOrder = order;
       mesh.userData.part = part.name;
+      mesh.userData.of = part;
       mesh.userData.veil = material === this.veil;
       shape.meshes.push(mesh);
     };
@@ -318,7 +343,26 @@ class Patient {
     return shape;
   }
 
-  show(at) {
+  /// Fewer triangles while it moves, `most` of them or about; 0: all.
+  quick(most) {
+    const shape = this.shapes[this.shown], all = shape.parts.reduce((n, p) => n + p.index.length / 3, 0);
+    const few = most > 0 && all > most;
+    if (few && !shape.coarse) {
+      shape.coarse = true;
+      // Triangles over a surface are as the square of how narrow they are.
+      const n = shape.base.length / 4, size = [0, 1, 2].map((k) => { let low = 65535, high = 0; for (let v = 0; v < n; ++v) { low = Math.min(low, shape.base[4 * v + k]); high = Math.max(high, shape.base[4 * v + k]); } return (high - low) * this.told.step_mm; });
+      let wide = Math.sqrt((size[0] * size[1] + size[1] * size[2] + size[2] * size[0]) * 4 / most);
+      for (let tries = 0; tries < 4; ++tries, wide *= 1.3) {
+        for (const p of shape.parts) p.few = coarser(p.index, shape.base, shape.normal.array, this.told.step_mm, wide);
+        if (shape.parts.reduce((m, p) => m + p.few.length / 3, 0) < 1.15 * most) break;
+      }
+      for (const p of shape.parts) p.fewer = new THREE.BufferAttribute(p.few, 1);
+    }
+    for (const m of shape.meshes) m.geometry.index = few ? m.userData.of.fewer : m.userData.of.whole;
+    return few;
+  }
+
+  show(at, most = 0) {
     const {shape: k, frame, next, s} = this.place(at);
     const shape = this.built(k), told = this.told;
     if (this.shown !== k) {
@@ -326,6 +370,7 @@ class Patient {
       this.scene.add(...shape.meshes);
       this.shown = k;
     }
+    const few = this.quick(most) && shape.parts[0].few;
     // Places.
     const x = shape.position.array, base = shape.base, n = base.length / 4, step = told.step_mm, low = told.low_mm;
     const a = frame > 0 ? shape.moved[frame - 1] : null, b = next > 0 ? shape.moved[next - 1] : null;
@@ -335,7 +380,8 @@ class Patient {
     shape.position.needsUpdate = true;
     // Normals.
     const m = shape.normal.array.fill(0);
-    for (const {index} of shape.parts)
+    for (const part of shape.parts) {
+      const index = few ? part.few : part.index;
       for (let t = 0; t < index.length; t += 3) {
         const p = 3 * index[t], q = 3 * index[t + 1], r = 3 * index[t + 2];
         const ux = x[q] - x[p], uy = x[q + 1] - x[p + 1], uz = x[q + 2] - x[p + 2];
@@ -345,8 +391,9 @@ class Patient {
         m[q] += nx, m[q + 1] += ny, m[q + 2] += nz;
         m[r] += nx, m[r + 1] += ny, m[r + 2] += nz;
       }
+    }
     for (let i = 0; i < m.length; i += 3) {
-      const l = Math.hypot(m[i], m[i + 1], m[i + 2]) || 1;
+      const l = Math.sqrt(m[i] * m[i] + m[i + 1] * m[i + 1] + m[i + 2] * m[i + 2]) || 1;
       m[i] /= l, m[i + 1] /= l, m[i + 2] /= l;
     }
     shape.normal.needsUpdate = true;
@@ -431,7 +478,10 @@ class Patient {
       const mid = path[3];
       tube([mid.map((c, i) => c - 0.1 * up[i]), mid.map((c, i) => c + 0.9 * up[i])], 0.5, rgb);
     }
-    for (const h of things.hooks) tube([h.at, h.handle], 0.7, [0.45, 0.46, 0.50]);
+    for (const h of things.hooks) {  // the point in the tissue, and a shaft up from where it is held
+      const up = h.up || [0, 0, 1], grip = h.handle.map((c, i) => c + 9 * up[i] + 2 * (c - h.at[i]));
+      tube([h.at.map((c, i) => c - 0.6 * up[i]), h.handle.map((c, i) => c + 1.5 * up[i]), grip], 0.55, [0.45, 0.46, 0.50]);
+    }
     for (const [a, b] of things.plates) tube([a, b], 1.1, [0.52, 0.54, 0.58], 8);
     const g = new THREE.BufferGeometry(), n = x.length / 3;
     if (n) {
@@ -524,7 +574,8 @@ class Viewer {
     this.playing = 0;
     this.frames = 0;
     this.build();
-    this.renderer = new THREE.WebGLRenderer({canvas: this.canvas, antialias: !drawnByProcessor(), alpha: true});
+    this.slow = drawnByProcessor();
+    this.renderer = new THREE.WebGLRenderer({canvas: this.canvas, antialias: !this.slow, alpha: true});
     this.renderer.setClearColor(0, 0);
     this.renderer.autoClear = false;
     new ResizeObserver(() => this.resize()).observe(this.stage);
@@ -546,7 +597,7 @@ class Viewer {
     // Time.
     this.play = el('button', {type: 'button', class: 'play', onclick: () => this.toggle()});
     this.slider = el('input', {type: 'range', min: told.from, max: told.until, step: 'any', value: this.at,
-                               'aria-label': 'Time of the operation', oninput: () => this.goTo(Number(this.slider.value))});
+                               'aria-label': 'Time of the operation', oninput: () => this.goTo(Number(this.slider.value), true)});
     // A key goes from act to act: steps of a slider say little.
     this.slider.addEventListener('keydown', (e) => {
       const by = {ArrowRight: 1, ArrowUp: 1, PageUp: 1, ArrowLeft: -1, ArrowDown: -1, PageDown: -1}[e.key];
@@ -601,7 +652,7 @@ class Viewer {
       } else if (e.buttons & 6 || e.shiftKey) this.eye.shift(dx / high, -dy / high);
       else this.eye.turn(-dx / high * 3, dy / high * 3);
       this.tip.textContent = '';
-      this.ask();
+      this.ask(true);
     });
     c.addEventListener('pointerleave', () => { this.tip.textContent = ''; });
     c.addEventListener('contextmenu', (e) => e.preventDefault());
@@ -609,7 +660,7 @@ class Viewer {
       if (document.activeElement !== c && !e.ctrlKey) return;
       e.preventDefault();
       this.eye.nearer(Math.exp(-clamp(e.deltaY, -200, 200) * 0.0015));
-      this.ask();
+      this.ask(true);
     }, {passive: false});
     c.addEventListener('keydown', (e) => {
       const step = 0.12, ways = {ArrowLeft: [1, 0], ArrowRight: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1]}[e.key];
@@ -623,14 +674,15 @@ class Viewer {
       else if (e.key === ' ') this.toggle();
       else return;
       e.preventDefault();
-      this.ask();
+      this.ask(true);
     });
   }
 
   // Time.
-  goTo(at) {
+  goTo(at, moves = false) {
     this.at = clamp(at, this.told.from, this.told.until);
-    this.patients.forEach((p, i) => p.show(this.timeOf(i)));
+    const most = moves && this.slow ? kQuickTriangles / this.patients.length : 0;
+    this.patients.forEach((p, i) => p.show(this.timeOf(i), most));
     const done = this.told.acts.filter((a) => !a.stage && a.at <= this.at + 1e-9), stages = this.told.acts.filter((a) => a.stage && a.at <= this.at + 1e-9);
     const last = done[done.length - 1], stage = stages[stages.length - 1];
     const words = (last ? capital(last.words) : 'Before the first act') + (stage ? ` · ${stage.words}` : '') +
@@ -640,7 +692,7 @@ class Viewer {
     this.slider.setAttribute('aria-valuetext', words);
     const here = this.chipOf.reduce((best, c) => (Math.abs(c.at - this.at) < 1e-6 ? c : best), null);
     for (const c of this.chipOf) c.b.setAttribute('aria-pressed', c === here ? 'true' : 'false');
-    this.ask();
+    this.ask(moves);
   }
   /// The second operation's time: between stages of the same names in even parts; else in parts of the whole.
   timeOf(i) {
@@ -671,7 +723,7 @@ class Viewer {
       let before = performance.now();
       const next = (now) => {
         if (!this.playing) return;
-        this.goTo(this.at + this.playing * Math.min((now - before) / 1000, 0.2));
+        this.goTo(this.at + this.playing * Math.min((now - before) / 1000, 0.2), true);
         before = now;
         if (this.at >= this.told.until) { this.playing = 0; this.tellPlay(); }
         requestAnimationFrame(next);
@@ -708,11 +760,27 @@ class Viewer {
   }
 
   // The picture.
-  ask() { if (!this.asked) { this.asked = true; requestAnimationFrame(() => { this.asked = false; this.draw(); }); } }
+  /// A new picture, with the next one of the screen. `moves`: more will follow at once, and without a graphics card this
+  /// one is coarser; when no more come it is drawn again as it is.
+  ask(moves = false) {
+    if (moves && this.slow) {
+      if (!this.moving) this.coarse(true);
+      clearTimeout(this.moving);
+      this.moving = setTimeout(() => { this.moving = 0; this.coarse(false); this.goTo(this.at); }, 200);
+    }
+    if (this.asked) return;
+    this.asked = true;
+    requestAnimationFrame(() => { this.asked = false; this.draw(); });
+  }
+  coarse(on) {
+    for (const p of this.patients) p.quick(on ? kQuickTriangles / this.patients.length : 0);
+    this.renderer.setPixelRatio(on ? 0.75 : this.ratio());
+  }
+  ratio() { return Math.min(window.devicePixelRatio || 1, this.slow ? 1 : 2); }
   resize() {
     const w = this.stage.clientWidth, h = this.stage.clientHeight;
     if (!w || !h || !this.renderer) return;
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
+    this.renderer.setPixelRatio(this.ratio());
     this.renderer.setSize(w, h, false);
     this.ask();
   }
@@ -757,7 +825,7 @@ class Viewer {
         if (taken.some(([a, b]) => Math.abs(a - px) < 42 && Math.abs(b - py) < 19)) continue;
         taken.push([px, py]);
         const light = s.hook ? 'hook' : s.force > setup.bad_N ? 'bad' : s.force >= setup.warn_N ? 'warn' : 'good';
-        this.labels.append(el('span', {class: light, style: `left:${px.toFixed(1)}px;top:${py.toFixed(1)}px`}, `${s.force.toFixed(1)} N`));
+        this.labels.append(el('span', {class: light, style: `left:${px.toFixed(1)}px;top:${py.toFixed(1)}px`}, `${short(s.force)} N`));
       }
     });
   }
