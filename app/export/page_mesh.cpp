@@ -16,6 +16,7 @@ struct Cluster {
   int level;
   std::array<int, 3> cube;
   uint32_t parts;
+  std::array<int, 3> facing;  // of all its smooth faces together: two edges of a block are not one
   size_t faces;
   auto operator<=>(const Cluster&) const = default;
 };
@@ -27,37 +28,61 @@ TissueMesh coarser_away(const TissueMesh& mesh, const Vec3f& low, const Vec3f& h
   // Of each vertex of the view: the vertices here that it has been split into.
   std::vector<std::vector<uint32_t>> splits(mesh.vertices_of_view);
   for (uint32_t v = 0; v < n; ++v) splits[size_t(mesh.source[v])].push_back(v);
-  std::map<Cluster, std::vector<int32_t>> clusters;
+  std::vector<Vec3f> normal;
+  vertex_normals(mesh.tri, mesh.X_mm, normal);
+  std::map<Cluster, std::vector<int32_t>> by_place;
   for (size_t s = 0; s < splits.size(); ++s) {
     if (splits[s].empty()) continue;
     uint32_t parts = 0;
-    for (const uint32_t v : splits[s]) parts |= 1u << unsigned(mesh.part[v]);
+    Vec3f facing = Vec3f::Zero();
+    for (const uint32_t v : splits[s]) parts |= 1u << unsigned(mesh.part[v]), facing += normal[v];
     const Vec3f& X = mesh.X_mm[splits[s][0]];
     const float away = (low - X).cwiseMax(X - high).cwiseMax(0.0f).norm();
     if ((parts & ~(1u << unsigned(Part::skin) | 1u << unsigned(Part::side))) != 0 || away < kKept_mm) continue;
     const int level = away < kFar_mm ? 1 : 2;
     const float cube = level == 1 ? kCube_mm : kFarCube_mm;
     const auto at = [&](int k) { return int(std::floor(X[k] / cube)); };
-    clusters[{level, {at(0), at(1), at(2)}, parts, splits[s].size()}].push_back(int32_t(s));
+    const auto way = [&](int k) { return int(std::lround(facing[k])); };
+    by_place[{level, {at(0), at(1), at(2)}, parts, {way(0), way(1), way(2)}, splits[s].size()}].push_back(int32_t(s));
   }
-  std::vector<Vec3f> normal;
-  vertex_normals(mesh.tri, mesh.X_mm, normal);
+  std::vector<std::vector<int32_t>> clusters;
+  for (auto& [key, members] : by_place)
+    if (members.size() > 1) clusters.push_back(std::move(members));
+
   std::vector<uint32_t> to(n);
   for (uint32_t v = 0; v < n; ++v) to[v] = v;
-  for (const auto& [key, members] : clusters) {
-    if (members.size() < 2) continue;
+  std::vector<int32_t> cluster_of(n, -1);
+  for (size_t c = 0; c < clusters.size(); ++c) {
     Vec3f middle = Vec3f::Zero();
-    for (const int32_t s : members) middle += mesh.X_mm[splits[size_t(s)][0]] / float(members.size());
+    for (const int32_t s : clusters[c]) middle += mesh.X_mm[splits[size_t(s)][0]] / float(clusters[c].size());
     const auto off = [&](int32_t s) { return (mesh.X_mm[splits[size_t(s)][0]] - middle).squaredNorm(); };
-    const int32_t kept =
-        *std::min_element(members.begin(), members.end(), [&](int32_t a, int32_t b) { return off(a) < off(b); });
-    for (const int32_t s : members)
+    const int32_t kept = *std::min_element(clusters[c].begin(), clusters[c].end(),
+                                           [&](int32_t i, int32_t j) { return off(i) < off(j); });
+    for (const int32_t s : clusters[c])
       for (const uint32_t v : splits[size_t(s)]) {
+        cluster_of[v] = int32_t(c);
         float best = -2;
         for (const uint32_t w : splits[size_t(kept)])
           if (mesh.part[w] == mesh.part[v] && normal[w].dot(normal[v]) > best)
             best = normal[w].dot(normal[v]), to[v] = w;
       }
+  }
+  // What would turn a triangle over comes apart again.
+  const auto across = [&](uint32_t a, uint32_t b, uint32_t c) -> Vec3f {
+    return (mesh.X_mm[b] - mesh.X_mm[a]).cross(mesh.X_mm[c] - mesh.X_mm[a]);
+  };
+  for (bool turned = true; turned;) {
+    turned = false;
+    for (const auto& [a, b, c] : mesh.tri) {
+      if (to[a] == to[b] || to[b] == to[c] || to[c] == to[a]) continue;
+      if (across(to[a], to[b], to[c]).dot(across(a, b, c)) >= 0) continue;
+      for (const uint32_t v : {a, b, c})
+        if (cluster_of[v] >= 0 && to[v] != v) {
+          for (const int32_t s : clusters[size_t(cluster_of[v])])
+            for (const uint32_t w : splits[size_t(s)]) to[w] = w;
+          turned = true;
+        }
+    }
   }
 
   TissueMesh out = mesh;

@@ -13,6 +13,8 @@
 #include "app/pictures/skin_fields.h"
 #include "app/program/version.h"
 #include "app/report/report_names.h"
+#include "render/overlay.h"
+#include "render/picture.h"
 #include "render/render_scene.h"
 #include "render/stitches.h"
 #include "render/textures.h"
@@ -25,8 +27,8 @@ namespace {
 
 using PageJson = nlohmann::ordered_json;
 
-constexpr size_t kMostModelBytes = 0;
-constexpr double kLayers_mm = 12;  // so deep the layers' colours are told
+constexpr size_t kMostModelBytes = 12'000'000;  // packed and in a page less than half of it
+constexpr double kLayers_mm = 12;               // so deep the layers' colours are told
 constexpr int kLayerColours = 64;
 constexpr float kDepthStep_mm = 0.05f;  // of a vertex's depth, in a byte
 
@@ -263,6 +265,11 @@ std::vector<uint8_t> field_bytes(const FieldShown& shown, const FieldShown& scal
   return out;
 }
 
+double face_scale_end(const Snapshot& s) {
+  SceneBuilder builder;
+  return moved_scale_end(builder.build(s));
+}
+
 }  // namespace
 
 void PageModel::frame(double at, const Snapshot& snapshot) {
@@ -308,13 +315,17 @@ std::string PageModel::bytes(const std::string& title, const Camera& camera, dou
   const double step_mm = std::max(kPageStep_mm, (high - low).maxCoeff() / 32767);
 
   // The fields, on the scale of the last frame.
+  const Snapshot& last_shown = frames_.back().shown;
   SkinFields maker;
   std::vector<PageField> fields;
   for (int i = 1; i < kSkinFields; ++i) {
-    const FieldShown& shown = maker.show(SkinField(i), frames_.back().shown);
+    const FieldShown& shown = maker.show(SkinField(i), last_shown);
     if (shown.value.empty()) continue;
     fields.push_back({SkinField(i), shown});
     fields.back().scale.value.clear();
+    if (last_shown.topology->body || SkinField(i) != SkinField::moved) continue;
+    FieldShown& scale = fields.back().scale;  // of a face: as its picture has it
+    scale.hi = face_scale_end(last_shown), scale.intervals = int(std::lround(scale.hi / round_step(scale.hi, 6)));
   }
 
   Vec3f operated_low = low.cast<float>(), operated_high = high.cast<float>();
@@ -422,8 +433,13 @@ std::string PageModel::bytes(const std::string& title, const Camera& camera, dou
              {"buffers", PageJson::array({{{"byteLength", w.buffer.bytes.size()}}})}};
   if (!w.channels.empty())
     j["animations"] = PageJson::array({{{"name", "operation"}, {"channels", w.channels}, {"samplers", w.samplers}}});
-  (void)most_bytes;
-  return glb_bytes(j.dump(-1, ' ', false, PageJson::error_handler_t::replace), w.buffer.bytes);
+  std::string out = glb_bytes(j.dump(-1, ' ', false, PageJson::error_handler_t::replace), w.buffer.bytes);
+  if (most_bytes > 0 && out.size() > most_bytes) {
+    PageModel fewer = *this;
+    fewer.thin();
+    if (fewer.frames_.size() < frames_.size()) return fewer.bytes(title, camera, aspect, most_bytes);
+  }
+  return out;
 }
 
 void PageModel::leave(const std::string& dir, const std::string& title, const Camera& camera, double aspect) const {

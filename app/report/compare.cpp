@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <set>
 
 #include "app/report/html.h"
@@ -194,8 +195,11 @@ Markup scripts(const Sides& sides) {
 constexpr Markup (*kCompared[])(const Sides&) = {figures_of, stitches, pictures, lanes, scripts};
 
 std::string page_of(const Sides& sides) {
-  const Viewer turned =
-      viewer({{title_of(sides.first.d), sides.first.dir}, {title_of(sides.second.d), sides.second.dir}});
+  const auto named = [](const ReportSource& s) {
+    const std::filesystem::path dir = std::filesystem::path(s.dir) / ".";
+    return ViewedOperation{title_of(s.d) + " (" + dir.parent_path().filename().string() + ")", s.dir};
+  };
+  const Viewer turned = viewer({named(sides.first), named(sides.second)});
   Markup all = turned.section;
   for (const auto& section : kCompared) all += section(sides);
   return text_of({"Comparison", "Two operations compared", operations(sides.first, sides.second),

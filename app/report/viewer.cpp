@@ -126,10 +126,11 @@ Viewer viewer(const std::vector<ViewedOperation>& operations) {
       {"warn_N", kSutureForce_N.warn},
       {"bad_N", kSutureForce_N.bad},
       {"colours", {{"magnitude", colours(ColourScale::magnitude)}, {"signed", colours(ColourScale::signed_value)}}}};
-  std::string tags = "<style>" + std::string(viewer_css_text) +
-                     "</style>\n<section id=\"viewer\" hidden=\"hidden\">\n<h2>The operation, to turn and to play</h2>\n</section>\n"
-                     "<noscript><p class=\"note\">With scripts, this page also shows the patient to be turned and "
-                     "played. The pictures show the same operation.</p></noscript>\n";
+  std::string tags =
+      "<style>" + std::string(viewer_css_text) +
+      "</style>\n<section id=\"viewer\" hidden=\"hidden\">\n<h2>The operation, to turn and to play</h2>\n</section>\n"
+      "<noscript><p class=\"note\">With scripts, this page also shows the patient to be turned and "
+      "played. The pictures show the same operation.</p></noscript>\n";
   for (const auto& [name, model] : models)
     tags += script(" type=\"application/x-limberg-model\" data-model=\"" + html::escape(name) + "\"", model);
   tags += script(" type=\"application/json\" id=\"viewer-setup\"", setup.dump());
