@@ -33,7 +33,7 @@ constexpr size_t kMostModel = size_t(256) << 20;
 
 std::string gzip(const std::string& bytes) {
   z_stream z{};
-  if (deflateInit2(&z, 7, Z_DEFLATED, 15 + 16, 9, Z_DEFAULT_STRATEGY) != Z_OK) throw std::runtime_error("zlib");
+  if (deflateInit2(&z, 6, Z_DEFLATED, 15 + 16, 9, Z_DEFAULT_STRATEGY) != Z_OK) throw std::runtime_error("zlib");
   std::string out(deflateBound(&z, uLong(bytes.size())), '\0');
   z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data())), z.avail_in = uInt(bytes.size());
   z.next_out = reinterpret_cast<Bytef*>(out.data()), z.avail_out = uInt(out.size());

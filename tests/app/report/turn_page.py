@@ -21,7 +21,7 @@ READY = f"!!{V} || !!document.querySelector('#viewer .notice')"
 
 # Of the difference of a PNG's colours and the page's, of 255 levels, over places of the skin: the median and nine in ten.
 # The page has no shadow, no darkening of hollows and lines of the grid of another width.
-MEDIAN, MOST = 4, 20
+MEDIAN, MOST = 2, 12
 
 
 def skip(why):
