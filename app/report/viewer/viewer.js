@@ -89,12 +89,13 @@ function evenly(path, n) {
 }
 
 /// Fewer triangles over the same vertices, for pictures that are gone at once: those whose corners lie in different cubes
-/// of `wide` mm, a vertex of each cube and way that it faces for all.
-function coarser(index, base, normal, step, wide) {
+/// of `wide` mm, a vertex of each cube and way that it faces for all. Beside a cut (`about`) all stay.
+function coarser(index, base, normal, about, step, wide) {
   const first = new Map(), to = new Map(), out = [];
   const kept = (v) => {
     let w = to.get(v);
     if (w !== undefined) return w;
+    if (about[4 * v + 1] < 255) return v;
     const at = (k) => Math.floor(base[4 * v + k] * step / wide), n = [0, 1, 2].map((k) => normal[3 * v + k]);
     const long = n.map(Math.abs), axis = long.indexOf(Math.max(...long));
     const key = ((at(0) * 1024 + at(1)) * 1024 + at(2)) * 8 + axis * 2 + (n[axis] > 0 ? 1 : 0);
@@ -110,6 +111,7 @@ function coarser(index, base, normal, step, wide) {
   return new index.constructor(out);
 }
 const kQuickTriangles = 24000;  // of all patients together: so many a processor alone draws in a thirtieth of a second
+const kQuickSkin = 0.6;         // of them where skin fills the picture
 
 // ---- looks: the light and the colours of the pictures (render/shaders.cpp) --------------------------------------------
 
@@ -345,7 +347,9 @@ class Patient {
 
   /// Fewer triangles while it moves, `most` of them or about; 0: all.
   quick(most) {
-    const shape = this.shapes[this.shown], all = shape.parts.reduce((n, p) => n + p.index.length / 3, 0);
+    const shape = this.shapes[this.shown];
+    if (shape.parts.some((p) => p.name === 'skin')) most *= kQuickSkin;
+    const all = shape.parts.reduce((n, p) => n + p.index.length / 3, 0);
     const few = most > 0 && all > most;
     if (few && !shape.coarse) {
       shape.coarse = true;
@@ -353,7 +357,8 @@ class Patient {
       const n = shape.base.length / 4, size = [0, 1, 2].map((k) => { let low = 65535, high = 0; for (let v = 0; v < n; ++v) { low = Math.min(low, shape.base[4 * v + k]); high = Math.max(high, shape.base[4 * v + k]); } return (high - low) * this.told.step_mm; });
       let wide = Math.sqrt((size[0] * size[1] + size[1] * size[2] + size[2] * size[0]) * 4 / most);
       for (let tries = 0; tries < 4; ++tries, wide *= 1.3) {
-        for (const p of shape.parts) p.few = coarser(p.index, shape.base, shape.normal.array, this.told.step_mm, wide);
+        for (const p of shape.parts)
+          p.few = p.name === 'wound' ? p.index : coarser(p.index, shape.base, shape.normal.array, shape.about, this.told.step_mm, wide);
         if (shape.parts.reduce((m, p) => m + p.few.length / 3, 0) < 1.15 * most) break;
       }
       for (const p of shape.parts) p.fewer = new THREE.BufferAttribute(p.few, 1);
