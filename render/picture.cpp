@@ -45,6 +45,49 @@ double moved_scale_end(const RenderScene& scene) {
   return step * std::ceil(most / step - 1e-9);
 }
 
+namespace {
+
+// Where the eye stands. Over a block: on the surgeon's side, 52 degrees above the
+// skin, so that depth shows and shapes on the skin are hardly foreshortened. Over
+// any other surface: in front of the skin that is looked at, a little below.
+struct Stand {
+  Vec3f from{0.10f, -0.60f, 0.79f}, up = Vec3f::UnitZ();
+};
+Stand stand_before(const Body* body, const Vec3f& low, const Vec3f& high) {
+  if (!body) return {};
+  const Vec3f e1 = body->chart_e1.cast<float>(), e2 = body->chart_e2.cast<float>(),
+              n = body->chart_normal().cast<float>();
+  if (body->is_box) return {0.10f * e1 - 0.60f * e2 + 0.79f * n, n};
+  Vec3 sum = Vec3::Zero();
+  const Vec3 middle = (0.5f * (low + high)).cast<double>(),
+             reach = (0.5f * (high - low)).cast<double>() + Vec3::Constant(8);
+  for (size_t t = 0; t < body->surface.tri.size(); ++t) {
+    if (!body->surface.tag.empty() && body->surface.tag[t] != SurfaceTag::skin) continue;
+    const auto& [a, b, c] = body->surface.tri[t];
+    const Vec3 &A = body->surface.X_mm[size_t(a)], &B = body->surface.X_mm[size_t(b)],
+               &C = body->surface.X_mm[size_t(c)];
+    if (((A - middle).cwiseAbs() - reach).maxCoeff() < 0) sum += (B - A).cross(C - A);
+  }
+  const Vec3f front = sum.norm() > 0 ? Vec3f(sum.normalized().cast<float>()) : n;
+  return {front - 0.25f * e2, e2};
+}
+
+}  // namespace
+
+Camera camera_on_operated(const Snapshot& snapshot, double aspect) {
+  const Body* body = snapshot.topology ? snapshot.topology->body.get() : nullptr;
+  Vec3f low = Vec3f::Constant(-50), high = Vec3f::Constant(50);
+  float margin = 1.08f;
+  if (operated_box(snapshot, low, high)) {
+    margin = 1;
+    low -= Vec3f::Constant(3), high += Vec3f::Constant(3);  // room for bites and small wounds
+  } else if (body) {
+    skin_box(*body, low, high);
+  }
+  const Stand s = stand_before(body, low, high);
+  return look_at_box(low, high, margin, s.from, s.up, kFov, aspect);
+}
+
 struct PictureMaker::Impl {
   int width, height;
   PictureQuality quality;
@@ -56,45 +99,9 @@ struct PictureMaker::Impl {
   Impl(int w, int h, PictureQuality q, int threads)
       : width(w), height(h), quality(q), renderer(make_offscreen_context(threads)) {}
 
-  // Where the eye stands. Over a block: on the surgeon's side, 52 degrees above the
-  // skin, so that depth shows and shapes on the skin are hardly foreshortened. Over
-  // any other surface: in front of the skin that is looked at, a little below.
-  struct Stand {
-    Vec3f from{0.10f, -0.60f, 0.79f}, up = Vec3f::UnitZ();
-  };
-  static Stand stand(const Body* body, const Vec3f& low, const Vec3f& high) {
-    if (!body) return {};
-    const Vec3f e1 = body->chart_e1.cast<float>(), e2 = body->chart_e2.cast<float>(),
-                n = body->chart_normal().cast<float>();
-    if (body->is_box) return {0.10f * e1 - 0.60f * e2 + 0.79f * n, n};
-    Vec3 sum = Vec3::Zero();
-    const Vec3 middle = (0.5f * (low + high)).cast<double>(),
-               reach = (0.5f * (high - low)).cast<double>() + Vec3::Constant(8);
-    for (size_t t = 0; t < body->surface.tri.size(); ++t) {
-      if (!body->surface.tag.empty() && body->surface.tag[t] != SurfaceTag::skin) continue;
-      const auto& [a, b, c] = body->surface.tri[t];
-      const Vec3 &A = body->surface.X_mm[size_t(a)], &B = body->surface.X_mm[size_t(b)],
-                 &C = body->surface.X_mm[size_t(c)];
-      if (((A - middle).cwiseAbs() - reach).maxCoeff() < 0) sum += (B - A).cross(C - A);
-    }
-    const Vec3f front = sum.norm() > 0 ? Vec3f(sum.normalized().cast<float>()) : n;
-    return {front - 0.25f * e2, e2};
-  }
   double aspect() const { return double(width) / height; }
 
-  void look_at_snapshot(const Snapshot& snapshot) {
-    const Body* body = snapshot.topology ? snapshot.topology->body.get() : nullptr;
-    Vec3f low = Vec3f::Constant(-50), high = Vec3f::Constant(50);
-    float margin = 1.08f;
-    if (operated_box(snapshot, low, high)) {
-      margin = 1;
-      low -= Vec3f::Constant(3), high += Vec3f::Constant(3);  // room for bites and small wounds
-    } else if (body) {
-      skin_box(*body, low, high);
-    }
-    const Stand s = stand(body, low, high);
-    camera = look_at_box(low, high, margin, s.from, s.up, kFov, aspect());
-  }
+  void look_at_snapshot(const Snapshot& snapshot) { camera = camera_on_operated(snapshot, aspect()); }
 
   View view(const Snapshot& s) {
     if (!camera) look_at_snapshot(s);

@@ -43,6 +43,9 @@ struct RenderScene;
 /// Where a colour scale of moved_mm ends: a round number above the 99.5th percentile of the face, at least 1 mm.
 double moved_scale_end(const RenderScene& scene);
 
+/// Where PictureMaker::focus_from puts the eye, for a picture so many times wider than high.
+Camera camera_on_operated(const Snapshot& snapshot, double aspect);
+
 class PictureMaker {
  public:
   /// RenderUnavailable (gl_context.h) when there is no off-screen context.

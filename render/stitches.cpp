@@ -84,10 +84,10 @@ NearestSkin nearest_skin(const RenderScene& scene, const Vec3f& p, Part part) {
   return best;
 }
 
-void add_stitch(RenderScene& scene, const Snapshot& snapshot, const SutureState& s) {
-  if (!s.a_mm.allFinite() || !s.b_mm.allFinite()) return;
+StitchWay stitch_way(const RenderScene& scene, const Snapshot& snapshot, const SutureState& s) {
+  if (!s.a_mm.allFinite() || !s.b_mm.allFinite()) return {};
   const NearestSkin at = nearest_skin(scene, s.a_mm);
-  if (!at.found) return;
+  if (!at.found) return {};
   const Vec3f gap = s.b_mm - s.a_mm;
   const Patch patch(scene, 0.5f * (s.a_mm + s.b_mm), 0.5f * gap.norm() + kBite_mm + 2);
   // Beside a wound the nearest vertex may belong to an edge that is rolled in: the skin around says where up is.
@@ -113,9 +113,14 @@ void add_stitch(RenderScene& scene, const Snapshot& snapshot, const SutureState&
     while (hull.size() > 1 && below(hull[hull.size() - 2], hull.back())) hull.pop_back();
     hull.push_back(next);
   }
-  std::vector<Vec3f> path;
-  for (const Eigen::Vector2f& h : hull) path.push_back(from + h.x() * (to - from) + h.y() * up);
-  add_suture(scene.props, s, path, up);
+  StitchWay way{{}, up};
+  for (const Eigen::Vector2f& h : hull) way.path_mm.push_back(from + h.x() * (to - from) + h.y() * up);
+  return way;
+}
+
+void add_stitch(RenderScene& scene, const Snapshot& snapshot, const SutureState& s) {
+  const StitchWay way = stitch_way(scene, snapshot, s);
+  if (!way.path_mm.empty()) add_suture(scene.props, s, way.path_mm, way.up);
 }
 
 }  // namespace limberg

@@ -17,10 +17,12 @@
 #include "app/commands/session_command.h"
 #include "app/commands/this_call.h"
 #include "app/commands/unfinished.h"
+#include "app/export/page_model.h"
 #include "app/pictures/pictures.h"
 #include "app/program/interrupt.h"
 #include "app/program/shipped.h"
 #include "app/report/report_names.h"
+#include "app/report/viewer.h"
 #include "app/result/discretisation.h"
 #include "app/result/error_goal.h"
 #include "app/result/metrics.h"
@@ -248,6 +250,9 @@ int run_operate(const OperateOptions& asked) {
     set.interrupted = interrupted;
     set.keep_going = opt.keep_going;
     carried_out.clear();
+    std::optional<PageModel> model;
+    Snapshot now;
+    if (!opt.common.out_dir.empty() && viewer_is_built()) world.fill(now), model.emplace("act").frame(0, now);
     set.on_done = [&](const ScriptLine& l, const std::string& note) {
       if (i == 0 && !note.empty() && !std::holds_alternative<Undo>(l.command) &&
           !std::holds_alternative<Redo>(l.command)) {
@@ -255,6 +260,7 @@ int run_operate(const OperateOptions& asked) {
         say(fmt::format("{}:{}: {}: {}", script.name, l.line, action_name(l.command), note));
       }
       carried_out.push_back(l.command), refused.done(l.command);
+      if (model) world.fill(now), model->acted(l.command, now);
     };
     set.on_refusal = [&](const Command& c, const std::string& reason) {
       progress.clear();
@@ -309,6 +315,7 @@ int run_operate(const OperateOptions& asked) {
       Snapshot last;
       world.fill(last, true);  // with the tension
       draw_report_pictures(opt.common.out_dir, o.stages, last);
+      if (model) model->ended(last), model->leave(opt.common.out_dir, scene.name, report_camera(last), kReportAspect);
     }
   }
   if (rows.size() > 1) fill_convergence(result, rows);

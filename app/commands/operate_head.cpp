@@ -7,10 +7,12 @@
 #include "app/assembly/operation.h"
 #include "app/commands/this_call.h"
 #include "app/commands/unfinished.h"
+#include "app/export/page_model.h"
 #include "app/head/build.h"
 #include "app/head/report.h"
 #include "app/pictures/pictures.h"
 #include "app/program/interrupt.h"
+#include "app/report/viewer.h"
 #include "app/result/metrics.h"
 #include "app/result/progress.h"
 #include "app/result/session_result.h"
@@ -36,8 +38,12 @@ int operate_head(const Scene& scene, const Script& script, const Lesson* lesson,
   set.keep_going = keep_going;
   std::string notes;
   std::vector<Command> actions;  // that were carried out
+  std::optional<PageModel> model;
+  Snapshot now;
+  if (!common.out_dir.empty() && viewer_is_built()) patient.fill(now), model.emplace("act").frame(0, now);
   set.on_done = [&](const ScriptLine& l, const std::string& note) {
     actions.push_back(l.command);
+    if (model) patient.fill(now), model->acted(l.command, now);
     if (!note.empty())
       notes += "  note      line " + std::to_string(l.line) + ", " + action_name(l.command) + ": " + note + "\n";
   };
@@ -92,6 +98,7 @@ int operate_head(const Scene& scene, const Script& script, const Lesson* lesson,
     Snapshot last;
     patient.fill_with_field(last);
     draw_head_pictures(common.out_dir, o.stages, first, last, scene_camera(scene), head);
+    if (model) model->ended(last), model->leave(common.out_dir, scene.name, scene_camera(scene), kHeadAspect);
     leave_head_figures(r, head, common.out_dir, last, scene_camera(scene), workers);
   }
   write_fields(r, "", made_by(this_call()));

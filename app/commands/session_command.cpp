@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "app/commands/left_recordings.h"
+#include "app/export/page_model.h"
 #include "app/head/report.h"
 #include "app/pictures/pictures.h"
 #include "app/program/interrupt.h"
@@ -16,6 +17,7 @@
 #include "app/program/version.h"
 #include "app/report/report.h"
 #include "app/report/report_names.h"
+#include "app/report/viewer.h"
 #include "app/result/output.h"
 #include "app/result/progress.h"
 #include "app/result/run_result.h"
@@ -28,6 +30,8 @@
 #include "devices/unfinished.h"
 #include "render/gl_context.h"
 #include "sim/base/error.h"
+#include "sim/commands/kinds.h"
+#include "sim/commands/words.h"
 #include "sim/fem/solver/engine.h"
 #include "sim/patient/soft_tissue.h"
 
@@ -370,8 +374,47 @@ void tell_story(Result& result, const SessionCall& call, const Assembly& a, cons
   if (!a.script_error.empty()) say("the session's script is cut short: " + a.script_error);
 }
 
+/// The model of the page. On a virtual clock it is looked at while it goes on; in real time only at its stages, and the
+/// solver's thread has nothing more to do.
+class SessionModel {
+ public:
+  static constexpr int kFrames = 30;
+
+  explicit SessionModel(double length_s) : every_s_(std::max(length_s, 1.0) / kFrames) {}
+  void watch(const World& world, const Command* act, double t_s) {
+    if (!act) {
+      t_s_ = t_s;
+      if (t_s < next_s_) return;
+      world.fill(now_), model_.frame(t_s, now_), next_s_ = t_s + every_s_;
+      if (++frames_ == 2 * kFrames) model_.thin(), frames_ = kFrames, every_s_ *= 2;  // it lasts longer than was known
+      return;
+    }
+    world.fill(now_);
+    if (const auto* s = std::get_if<Stage>(act))
+      model_.stage(t_s_, s->name, now_);
+    else if (!leaves_patient(*act))
+      model_.act(t_s_, in_words(*act));
+  }
+  void stages(const std::vector<StageRow>& rows) {
+    if (!model_.empty()) return;
+    for (const StageRow& s : rows) model_.stage(s.t_s, s.name, s.shown), t_s_ = s.t_s;
+  }
+  void leave(const std::string& dir, const std::string& title, const Snapshot& last, const Camera& camera,
+             double aspect) {
+    model_.frame(t_s_ + 1e-3, last);
+    model_.leave(dir, title, camera, aspect);
+  }
+
+ private:
+  PageModel model_{"s"};
+  double every_s_, next_s_ = 0, t_s_ = 0;
+  int frames_ = 0;
+  Snapshot now_;
+};
+
 /// What could not be written, if so: the figures of the session are left even then.
-std::optional<InputError> leave_pictures(Result& result, const SessionCall& call, Assembly& a, const Snapshot& first) {
+std::optional<InputError> leave_pictures(Result& result, const SessionCall& call, Assembly& a, const Snapshot& first,
+                                         SessionModel* model) {
   if (call.common.out_dir.empty()) return std::nullopt;
   try {
     Snapshot last;
@@ -380,6 +423,12 @@ std::optional<InputError> leave_pictures(Result& result, const SessionCall& call
       draw_report_pictures(call.common.out_dir, a.solver.stages(), last);
     else if (a.head)
       draw_head_pictures(call.common.out_dir, a.solver.stages(), first, last, scene_camera(a.scene), *a.head);
+    if (model) {
+      model->stages(a.solver.stages());
+      const bool skin = a.world->skin();
+      model->leave(call.common.out_dir, a.scene.name, last, skin ? report_camera(last) : scene_camera(a.scene),
+                   skin ? kReportAspect : kHeadAspect);
+    }
     if (a.head) leave_head_figures(result, *a.head, call.common.out_dir, last, scene_camera(a.scene), a.workers);
   } catch (const InputError& e) {
     return e;
@@ -459,6 +508,15 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   if (!call.goes_on && call.command != "replay") left = offer_to_continue(folders_of(call, aside.has_value()));
 
   // The patient, and all that looks at it or acts on it.
+  std::shared_ptr<SessionModel> model;
+  if (!call.common.out_dir.empty() && viewer_is_built()) {
+    model = std::make_shared<SessionModel>(call.known_length_s);
+    if (!call.real_time)
+      call.watch = [model, also = call.watch](const World& w, const Command* act, double t_s, const HandState* hands) {
+        model->watch(w, act, t_s);
+        if (also) also(w, act, t_s, hands);
+      };
+  }
   AssemblyOptions o = assembly_options(call);
   OffscreenFrames frames(call.scene, 640, 480);
   if (o.draw_frames) o.sink = &frames;
@@ -579,7 +637,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   const bool at_rest = f.interrupted || f.closed || a.solver.at_rest(1e-4);
   const bool reached = at_rest && !is_bad(verdict);
   result.set_ok(reached && !recording_failed);
-  const std::optional<InputError> unwritten = leave_pictures(result, call, a, first);
+  const std::optional<InputError> unwritten = leave_pictures(result, call, a, first, model.get());
   print_summary(call, a, f);
   leave_recording(aside, keep, recorder.get());
   leave_result(result, call.common);

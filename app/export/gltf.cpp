@@ -6,6 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "app/export/glb.h"
 #include "app/program/version.h"
 
 namespace limberg {
@@ -16,28 +17,13 @@ using GltfJson = nlohmann::ordered_json;
 
 static_assert(std::endian::native == std::endian::little, "glTF is little endian");
 
-enum GltfMaterial : int {
-  kSkinLook,
-  kWoundLook,
-  kSideLook,
-  kFaceLook,
-  kBoneLook,
-  kCutBoneLook,
-  kThreadLook,
-  kHookLook
-};
-
 GltfJson gltf_materials() {
   GltfJson out = GltfJson::array();
-  const auto look = [&](const char* name, double r, double g, double b, double rough) {
-    out.push_back({{"name", name},
+  for (const GltfLook& l : kGltfLooks)
+    out.push_back({{"name", l.name},
                    {"pbrMetallicRoughness",
-                    {{"baseColorFactor", {r, g, b, 1.0}}, {"metallicFactor", 0.0}, {"roughnessFactor", rough}}},
+                    {{"baseColorFactor", {l.r, l.g, l.b, 1.0}}, {"metallicFactor", 0.0}, {"roughnessFactor", l.rough}}},
                    {"doubleSided", true}});
-  };
-  look("skin", .80, .55, .45, .6), look("wound", .55, .08, .07, .4), look("side", .85, .70, .45, .8);
-  look("face", .80, .58, .48, .6), look("bone", .89, .85, .72, .7), look("cut bone", .75, .45, .36, .7);
-  look("thread", .10, .14, .45, .5), look("hook", .55, .56, .60, .3);
   return out;
 }
 
@@ -233,14 +219,7 @@ std::string GltfStory::bytes(const std::string& title) const {
              {"buffers", GltfJson::array({{{"byteLength", buffer.bytes.size()}}})}};
   if (!channels.empty())
     j["animations"] = GltfJson::array({{{"name", "operation"}, {"channels", channels}, {"samplers", samplers}}});
-  std::string json = j.dump(-1, ' ', false, GltfJson::error_handler_t::replace);
-  while (json.size() % 4) json += ' ';
-  std::string out;
-  const auto word = [&](uint32_t v) { out.append(reinterpret_cast<const char*>(&v), 4); };
-  word(0x46546C67), word(2), word(uint32_t(12 + 8 + json.size() + 8 + buffer.bytes.size()));
-  word(uint32_t(json.size())), word(0x4E4F534A), out += json;
-  word(uint32_t(buffer.bytes.size())), word(0x004E4942), out += buffer.bytes;
-  return out;
+  return glb_bytes(j.dump(-1, ' ', false, GltfJson::error_handler_t::replace), buffer.bytes);
 }
 
 }  // namespace limberg

@@ -147,9 +147,17 @@ void draw_maps(const std::string& dir, const Snapshot& last) {
 void remove_report_pictures(const std::string& dir) {
   std::error_code none;
   for (const char* name : {report_names::overview, report_names::tension, report_names::perfusion, report_names::stress,
-                           report_names::height, report_names::moved, report_names::risk})
+                           report_names::height, report_names::moved, report_names::risk, report_names::model})
     std::filesystem::remove(std::filesystem::path(dir) / name, none);
 }
+
+namespace {
+
+constexpr int kReportWidth = 1280, kReportHeight = 720;
+
+}  // namespace
+
+Camera report_camera(const Snapshot& last) { return camera_on_operated(last, double(kReportWidth) / kReportHeight); }
 
 void draw_report_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& last) {
   remove_report_pictures(dir);
@@ -159,7 +167,7 @@ void draw_report_pictures(const std::string& dir, const std::vector<StageRow>& s
     Progress progress("drawing");
     int drawn = 0;
     const auto next = [&] { progress.show(++drawn, double(stages.size()) + 5, "pictures"); };
-    PictureMaker pictures(1280, 720);
+    PictureMaker pictures(kReportWidth, kReportHeight);
     pictures.focus_from(last);
     if (!stages.empty()) prepare_folder(dir + "/" + report_names::stages_dir);
     for (const StageRow& s : stages) {

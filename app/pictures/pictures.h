@@ -40,6 +40,10 @@ void draw_member_picture(const std::string& file, const std::string& title, cons
 /// report's own names: another scene's would be shown as this one's.
 void remove_report_pictures(const std::string& dir);
 
+/// Where the eye of draw_report_pictures stands, and how many times wider than high these pictures are.
+Camera report_camera(const Snapshot& last);
+inline constexpr double kReportAspect = 1280. / 720, kHeadAspect = 1;
+
 /// Draws DIR/stages/NN-name.png, DIR/overview.png and DIR/tension.png (report_names.h), all with one camera on what was
 /// operated. Says in one line when pictures cannot be made here; InputError when a file cannot be written.
 void draw_report_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& last);

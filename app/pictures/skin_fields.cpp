@@ -75,6 +75,14 @@ void choose_scale(FieldShown& shown, const SkinFieldLook& look, const std::vecto
 SkinFields::SkinFields() = default;
 SkinFields::~SkinFields() = default;
 
+const std::vector<MembraneState>& SkinFields::states(const Snapshot& s) {
+  if (states_of_ != s.topology || states_at_mm_ != s.x_mm) {
+    states_ = skin_states(s.topology->view, s.x_mm, *s.topology->body);
+    states_of_ = s.topology, states_at_mm_ = s.x_mm;
+  }
+  return states_;
+}
+
 const FieldShown& SkinFields::show(SkinField field, const Snapshot& s) {
   shown_.value.clear();
   if (field == SkinField::none || !s.topology || s.x_mm.size() != s.topology->view.X_mm.size()) return shown_;
@@ -95,9 +103,9 @@ const FieldShown& SkinFields::show(SkinField field, const Snapshot& s) {
     case SkinField::stretch:
     case SkinField::least:
     case SkinField::stress: {
-      const std::vector<MembraneState> states = skin_states(view, s.x_mm, body);
+      const std::vector<MembraneState>& now = states(s);
       to_vertices(view, shown_.value, [&](size_t t) {
-        const MembraneState& m = states[t];
+        const MembraneState& m = now[t];
         return std::pair(field == SkinField::stress
                              ? m.stress_kPa
                              : 100 * ((field == SkinField::stretch ? m.stretch : m.least_stretch) - 1),

@@ -26,6 +26,7 @@
 namespace limberg {
 
 class Skin;
+struct MembraneState;
 
 enum class SkinField : uint8_t { none = 0, stretch, least, area, stress, height, moved, perfusion };
 inline constexpr int kSkinFields = 8;
@@ -59,6 +60,11 @@ class SkinFields {
   std::unique_ptr<Skin> skin_;
   std::vector<float> perfusion_;
   std::shared_ptr<const SurfaceTopology> perfused_;
+  // Three fields are of one state: of the places that were shown last.
+  const std::vector<MembraneState>& states(const Snapshot& snapshot);
+  std::vector<MembraneState> states_;
+  std::vector<Vec3f> states_at_mm_;
+  std::shared_ptr<const SurfaceTopology> states_of_;
 };
 
 }  // namespace limberg

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <set>
 
 #include "app/report/html.h"
 #include "app/report/page.h"
 #include "app/report/report_file.h"
 #include "app/report/sections.h"
+#include "app/report/viewer.h"
 #include "sim/base/whole_file.h"
 
 namespace limberg {
@@ -193,10 +195,15 @@ Markup scripts(const Sides& sides) {
 constexpr Markup (*kCompared[])(const Sides&) = {figures_of, stitches, pictures, lanes, scripts};
 
 std::string page_of(const Sides& sides) {
-  Markup all;
+  const auto named = [](const ReportSource& s) {
+    const std::filesystem::path dir = std::filesystem::path(s.dir) / ".";
+    return ViewedOperation{title_of(s.d) + " (" + dir.parent_path().filename().string() + ")", s.dir};
+  };
+  const Viewer turned = viewer({named(sides.first), named(sides.second)});
+  Markup all = turned.section;
   for (const auto& section : kCompared) all += section(sides);
   return text_of({"Comparison", "Two operations compared", operations(sides.first, sides.second),
-                  differences(sides.first.d, sides.second.d), all, sections::footer(sides.second)});
+                  differences(sides.first.d, sides.second.d), all, sections::footer(sides.second), turned.nonce});
 }
 
 }  // namespace

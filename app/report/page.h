@@ -14,6 +14,7 @@ struct Page {
   html::Markup summary;  // what it came to, before the sections
   html::Markup sections;
   html::Markup footer;  // what made it
+  std::string nonce{};  // of the scripts that may run; empty: none may
 };
 
 std::string text_of(const Page& page);

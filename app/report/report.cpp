@@ -7,6 +7,7 @@
 #include "app/report/report_file.h"
 #include "app/report/report_names.h"
 #include "app/report/sections.h"
+#include "app/report/viewer.h"
 #include "sim/base/error.h"
 #include "sim/base/whole_file.h"
 
@@ -18,8 +19,9 @@ namespace {
 
 std::string page(const ReportSource& source) {
   const std::string title = title_of(source.d);
-  return text_of({title, title, sections::opening(source), sections::summary(source), sections::all(source),
-                  sections::footer(source)});
+  const Viewer turned = viewer({{title, source.dir}});
+  return text_of({title, title, sections::opening(source), sections::summary(source),
+                  turned.section + sections::all(source), sections::footer(source), turned.nonce});
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 //   DIR/perfusion.svg, DIR/stress.svg   maps on the chart at rest
 //   DIR/ranking.svg            designs that were compared
 //   DIR/overview.png           picture at the end, shown first
+//   DIR/model.glb              the operation to be turned and played in the page (app/export/page_model.h)
 //   DIR/report.html            written by the report
 //
 //   "stages":      [{"name", "picture" (relative to DIR), "t_s", "caption", "residual", "sutures", "pieces"}]
@@ -63,6 +64,7 @@ inline constexpr const char* stress = "stress.svg";
 inline constexpr const char* height = "height.png";
 inline constexpr const char* moved = "moved.png";
 inline constexpr const char* risk = "risk.png";
+inline constexpr const char* model = "model.glb";
 inline constexpr const char* ranking = "ranking.svg";
 
 /// "stages/03-flap-cut.png": letters and digits kept (lower case), everything else becomes one dash.

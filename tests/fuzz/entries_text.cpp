@@ -5,6 +5,7 @@
 #include "app/assembly/lesson.h"
 #include "app/assembly/repro.h"
 #include "app/export/achieved.h"
+#include "app/export/glb.h"
 #include "app/export/operated.h"
 #include "app/head/cache.h"
 #include "app/import/carried_acts.h"
@@ -15,6 +16,7 @@
 #include "app/program/temporary_folder.h"
 #include "app/report/compare.h"
 #include "app/report/report.h"
+#include "app/report/viewer.h"
 #include "app/result/result.h"
 #include "app/scene/scene.h"
 #include "app/scene/tissues.h"
@@ -123,6 +125,18 @@ Entry operating_point_entry(const Folder& folder) {
                       } catch (const InputError&) {
                         return "";  // cells that do not fit into this body
                       }
+                    });
+}
+
+/// A model is packed, or refused; what lies in it is not looked at.
+Entry model_entry() {
+  std::string json =
+      R"({"asset":{"version":"2.0","extras":{"limberg_page_model":1}},"buffers":[{"byteLength":12}],"bufferViews":[)"
+      R"({"buffer":0,"byteOffset":0,"byteLength":8,"byteStride":4},{"buffer":0,"byteOffset":8,"byteLength":4}]})";
+  return text_entry("model", {"app/report/viewer.cpp"}, {glb_bytes(json, "abcdefghijkl")},
+                    [](const std::string& text) -> std::string {
+                      return packed_model(text, kNamed).compare(0, 2, "\x1f\x8b") == 0 ? ""
+                                                                                       : "what is packed is no gzip";
                     });
 }
 
@@ -242,6 +256,7 @@ std::vector<Entry> text_entries(const Folder& folder) {
   all.push_back(calibration_entry());
   all.push_back(repro_entry());
   all.push_back(operating_point_entry(folder));
+  all.push_back(model_entry());
   all.push_back(result_entry(folder));
   all.push_back(comparison_entry(folder));
   all.push_back(convergence_entry(folder));

@@ -25,6 +25,10 @@ inline std::string xml_fault(const std::string& s) {
     } else if (s[i] != '<') {
       if (static_cast<unsigned char>(s[i]) < 0x20 && s[i] != '\n' && s[i] != '\t') return "control character" + at(i);
       ++i;
+    } else if (s.compare(i, 9, "<![CDATA[") == 0) {
+      i = s.find("]]>", i);
+      if (i == std::string::npos) return "unfinished CDATA";
+      i += 3;
     } else if (s.compare(i, 2, "<!") == 0) {
       i = s.find('>', i);
       if (i == std::string::npos) return "unfinished declaration";

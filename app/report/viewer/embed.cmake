@@ -1,0 +1,17 @@
+# Files that go into every page, as texts of the program: three.js as the build found it, or nothing, and the viewer's own.
+#   -DTHREE=FILE|"" -DVIEWER=FOLDER -DOUTPUT=FILE
+set(text "// Made by app/report/viewer/embed.cmake.\n#include \"app/report/viewer_texts.h\"\n\nnamespace limberg {\n\n")
+function(embed name file)
+  set(content "")
+  if(file)
+    file(READ "${file}" content)
+  endif()
+  if(content MATCHES "\\)limberg\"|]]>|</script")
+    message(FATAL_ERROR "${file} holds what would end a text or a script in a page")
+  endif()
+  set(text "${text}const char* const ${name} = R\"limberg(${content})limberg\";\n" PARENT_SCOPE)
+endfunction()
+embed(three_js_text "${THREE}")
+embed(viewer_js_text "${VIEWER}/viewer.js")
+embed(viewer_css_text "${VIEWER}/viewer.css")
+file(WRITE "${OUTPUT}" "${text}\n}  // namespace limberg\n")
