@@ -211,8 +211,8 @@ void tag_by_material(TriMesh& m, const ObjSpec& spec, const std::vector<std::str
     const auto at = std::find(names.begin(), names.end(), tag.material);
     if (at == names.end())
       throw InputError(spec.path, 0,
-                       "has no faces of material " + limberg::quoted(tag.material) + ", which is tagged; expected usemtl " +
-                           limberg::quoted(tag.material));
+                       "has no faces of material " + limberg::quoted(tag.material) +
+                           ", which is tagged; expected usemtl " + limberg::quoted(tag.material));
     of[size_t(at - names.begin())] = &tag;
   }
   for (size_t t = 0; t < m.tri.size(); ++t) {
@@ -247,10 +247,11 @@ Body parse_obj(std::string_view text, const ObjSpec& spec, SurfaceReport* report
   else
     tag_by_material(m, spec, read.material, materials, lines);
   if (std::find(m.tag.begin(), m.tag.end(), SurfaceTag::skin) == m.tag.end())
-    throw InputError(spec.path, 0,
-                     spec.tags.empty()
-                         ? "the deep side covers the whole surface; expected some skin (see deep_direction, deep_angle_deg)"
-                         : "no face is tagged as skin or mucosa; expected some skin");
+    throw InputError(
+        spec.path, 0,
+        spec.tags.empty()
+            ? "the deep side covers the whole surface; expected some skin (see deep_direction, deep_angle_deg)"
+            : "no face is tagged as skin or mucosa; expected some skin");
 
   body.name = std::filesystem::path(spec.path).stem().string();
   body.layers = spec.layers;

@@ -20,9 +20,9 @@ struct Wait {
   double seconds = 1;
 };
 
-using Command = std::variant<Incise, InciseMore, Undermine, Excise, SetHook, MoveHook, ReleaseHook, Suture, SutureRow,
-                             Undo, Redo, Stage, Wait, SutureCorner, SutureBetween, CutSuture, ExcisePiece, CutThrough,
-                             InSpace, HeadCommand>;
+using Command =
+    std::variant<Incise, InciseMore, Undermine, Excise, SetHook, MoveHook, ReleaseHook, Suture, SutureRow, Undo, Redo,
+                 Stage, Wait, SutureCorner, SutureBetween, CutSuture, ExcisePiece, CutThrough, InSpace, HeadCommand>;
 
 /// What came of a command. A refused one has changed nothing.
 struct Outcome {

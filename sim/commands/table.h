@@ -217,20 +217,23 @@ struct Act<CutThrough> {
       R"({"action":"cut_through","path":[[0,0,0],[0,8,0]],"normals":[[0,0,1],[0,0,1]],"open_end":true})";
   static void fields(auto& v, auto& c) {
     v(Field::path("path", 2, "posts on the skin"), c.path);
-    v(Field::path("normals", 0, "which way the blade comes in at each post, out of the skin; none: the skin's own").maybe(),
+    v(Field::path("normals", 0, "which way the blade comes in at each post, out of the skin; none: the skin's own")
+          .maybe(),
       c.normals);
     v(Field::flag("open_start", false, "it goes on over the free margin before the first post"), c.open_start);
     v(Field::flag("open_end", false, "it goes on over the free margin after the last post"), c.open_end);
   }
   static std::string check(const CutThrough& c) {
     if (!c.normals.empty() && c.normals.size() != c.path.size())
-      return fmt::format("\"normals\" has {} entries for {} posts; one for each was expected, or none", c.normals.size(),
-                         c.path.size());
+      return fmt::format("\"normals\" has {} entries for {} posts; one for each was expected, or none",
+                         c.normals.size(), c.path.size());
     for (const Vec3& n : c.normals)
       if (!(n.norm() > 1e-6)) return "\"normals\" holds a direction of no length; expected one out of the skin";
     return "";
   }
-  static std::string words(const CutThrough& c) { return fmt::format("cut of {:.0f} mm right through", path_mm(c.path)); }
+  static std::string words(const CutThrough& c) {
+    return fmt::format("cut of {:.0f} mm right through", path_mm(c.path));
+  }
   static Deed deed(const CutThrough& c) { return {"Cut of " + rounded_text(path_mm(c.path), 3) + " mm right through"}; }
 };
 

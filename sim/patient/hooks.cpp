@@ -11,8 +11,8 @@ Outcome Hooks::act(const SetHook& c) {
   if (std::any_of(holding_.hooks.begin(), holding_.hooks.end(), [&](const Hook& h) { return h.id == c.id; }))
     return {false, fmt::format("hook {} is set already; release it first or use another id", c.id)};
   std::string reason;
-  auto anchor = c.side == HeldSide::skin ? tissue_.find_anchor(c.at, false, reason)
-                                         : tissue_.find_in_wall(c.at, c.side, reason);
+  auto anchor =
+      c.side == HeldSide::skin ? tissue_.find_anchor(c.at, false, reason) : tissue_.find_in_wall(c.at, c.side, reason);
   if (!anchor) return {false, reason};
   anchor->wide = tissue_.embed_patch(*anchor, tissue_.spec().hook_tip_mm);
   holding_.hooks.push_back({c.id, holding_.next_spring++, *anchor, tissue_.held_mm(*anchor)});

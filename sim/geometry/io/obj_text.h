@@ -18,9 +18,9 @@ struct ObjText {
     int32_t v = -1, vt = -1;  // vt: -1 without
   };
   struct Face {
-    size_t first = 0;    // of `corner`
-    size_t corners = 0;  // at least 3
-    int32_t line = 0;    // of the file
+    size_t first = 0;       // of `corner`
+    size_t corners = 0;     // at least 3
+    int32_t line = 0;       // of the file
     int32_t material = -1;  // of `material`; -1: before the first usemtl
   };
   std::vector<Vec3> v;
