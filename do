@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The two commands of Limberg, and nine for those who work on it.
+# The two commands of Limberg, and ten for those who work on it.
 #   ./do demo [NAME]   build, then replay a shipped recording headless into out/demo (default: rhomboid)
 #   ./do test          check the format, build, run every test, and name what was skipped
 #   ./do build         build only; the binary is build/limberg
@@ -8,6 +8,7 @@
 #   ./do record [NAME] build, then make the recorded stream of a shipped script anew
 #   ./do bench [SUITE] run a benchmark suite (default: speed); for cutting CGAL is installed too, to compare with
 #   ./do figures [RESULT.json ...] keep results of limberg bench in docs/figures, write docs/figures.md
+#   ./do face          make the surface and the picture of the shipped face anew
 #   ./do python        build Python's module into build-python/python, and test it
 #   ./do format        clang-format over the tree
 set -euo pipefail
@@ -161,6 +162,10 @@ case "${1:-help}" in
     build limberg_figures
     build/limberg_figures docs/figures docs/figures.md "${@:2}"
     ;;
+  face)  # what app/scenes/face.toml operates on
+    build limberg_face_surface
+    build/limberg_face_surface app/scenes
+    ;;
   python)  # in a folder of its own: its archives are position independent, those of build/ stay as they are
     packages+=(python3-dev pybind11-dev python3-pybind11 python3-numpy)
     build limberg
@@ -171,5 +176,5 @@ case "${1:-help}" in
   format)
     git ls-files '*.h' '*.cpp' | xargs clang-format -i
     ;;
-  *) sed -n '2,12s/^# \{0,1\}//p' "$0"; exit 2 ;;
+  *) sed -n '2,13s/^# \{0,1\}//p' "$0"; exit 2 ;;
 esac
