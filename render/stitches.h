@@ -14,8 +14,8 @@ struct NearestSkin {
 /// skin's height there; those of bone are some millimetres wide.
 NearestSkin nearest_skin(const RenderScene& scene, const Vec3f& p, Part part = Part::skin);
 
-/// The way of a stitch's thread from its entry to its exit, and the outward unit normal of the skin there; an empty path:
-/// it has no place. Of the scene: mesh, places and normals.
+/// The way of a stitch's thread from its entry to its exit, and the outward unit normal of the skin there; an empty
+/// path: it has no place. Of the scene: mesh, places and normals.
 struct StitchWay {
   std::vector<Vec3f> path_mm;
   Vec3f up = Vec3f::UnitZ();

@@ -291,6 +291,9 @@ void foretell(const Skin& skin, const std::optional<PlanOnSkin>& plan, const std
 
 Scene scene_of(const std::string& file, const std::string& name) {
   std::error_code ec;
+  if (const auto beside = std::filesystem::path(file).parent_path() / name;
+      name.ends_with(".toml") && !std::filesystem::exists(name, ec) && std::filesystem::is_regular_file(beside, ec))
+    return open_scene(beside.string());  // an imported operation and its scene lie in one folder
   if (!std::filesystem::exists(name, ec) && shipped_file("app/scenes/" + name + ".toml").empty())
     throw InputError(file, 1,
                      "names the scene \"" + name.substr(0, 100) +

@@ -169,7 +169,9 @@ void write_fields(const std::string& file, const World& world) {
 OperateOptions with_case(OperateOptions opt) {
   if (opt.of_case.empty()) {
     if (opt.scene.empty() || opt.script.empty())
-      throw InputError("", 0, "operate wants a scene and a script; expected SCENE SCRIPT, or --case NAME");
+      throw InputError("", 0,
+                       "operate wants a scene and a script; expected SCENE SCRIPT or --case NAME, as in "
+                       "limberg operate --help");
     return opt;
   }
   const Case c = open_case(opt.of_case);

@@ -313,7 +313,8 @@ class Carrier {
     if (a.out) add_margin(posts[n - 1], path[n - 2], normals[n - 1]);
   }
 
-  /// From an open end of a cut on the skin over the free margin to where the blade comes out: round in the blade's plane.
+  /// From an open end of a cut on the skin over the free margin to where the blade comes out: round in the blade's
+  /// plane.
   void add_margin(const SurfaceSpot& last, const Vec3& before_mm, const Vec3& out) {
     std::array<Bvh::LineHit, 8> hits;
     const int n = std::min<int>(m_.all.line(last.at_mm, -out, 0.1, 100, hits), int(hits.size()));

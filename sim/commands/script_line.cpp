@@ -31,11 +31,17 @@ struct KeysOfLine {
 /// Whether the places of an act are given in space.
 struct SpaceProbe {
   const ScriptReader& line;
-  bool in_space = false;
+  const char* place = nullptr;  // the first key that has one, and the first that has a point of the chart
+  const char* point = nullptr;
 
-  void operator()(const Field& f, const ChartPoint&) { in_space |= line.has_places(f.key); }
-  void operator()(const Field& f, const std::vector<ChartPoint>&) { in_space |= line.has_places(f.key); }
-  void operator()(const Field& f, const StitchPick&) { in_space |= line.has_places(f.key); }
+  void see(const char* key) {
+    if (!line.is_list(key)) return;
+    const char*& first = line.has_places(key) ? place : point;
+    if (!first) first = key;
+  }
+  void operator()(const Field& f, const ChartPoint&) { see(f.key); }
+  void operator()(const Field& f, const std::vector<ChartPoint>&) { see(f.key); }
+  void operator()(const Field& f, const StitchPick&) { see(f.key); }
   template <class T>
   void operator()(const Field&, const T&) {}
   bool form(const char* key, bool, const char*, const char*) { return line.has(key); }
@@ -171,13 +177,16 @@ Command read(const ScriptReader& line, const std::string& where) {
   c = C{};
   SpaceProbe probe{line};
   if constexpr (HoldsAct<C, SkinAct>::value) Act<C>::fields(probe, c);
+  if (probe.place && probe.point)
+    line.fail(ScriptReader::quoted(probe.place) + " holds a place [x, y, z], and " + ScriptReader::quoted(probe.point) +
+              " does not; expected places of one kind in one act");
   std::vector<double> z;
-  LineReader reader{line, probe.in_space ? &z : nullptr};
+  LineReader reader{line, probe.place ? &z : nullptr};
   Act<C>::fields(reader, c);
   if constexpr (requires { Act<C>::check(c); })
     if (const std::string wrong = Act<C>::check(c); !wrong.empty()) line.fail(wrong);
   if constexpr (HoldsAct<C, SkinAct>::value)
-    if (probe.in_space) return InSpace{c, std::move(z)};
+    if (probe.place) return InSpace{c, std::move(z)};
   if constexpr (Act<C>::needs == Needs::head)
     return HeadCommand(c);
   else

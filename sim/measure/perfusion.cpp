@@ -18,7 +18,8 @@ std::array<Vec3, 3> corners(const SurfaceView& v, size_t t) {
 }
 
 // Per triangle, whether it is skin with a flat wall below it: the first wall on its way inwards that lies flat, before
-// the way leaves the body. So neither the far side of a head counts, nor a cheek behind an ear, nor the mucosa of a lip.
+// the way leaves the body. So neither the far side of a head counts, nor a cheek behind an ear, nor the mucosa of a
+// lip.
 std::vector<char> above_a_wall(const SurfaceView& view, const Skin& skin) {
   std::vector<char> out(view.tri.size(), 0);
   std::vector<Tri> wall;

@@ -224,10 +224,11 @@ void add_peer_entries(std::vector<Entry>& all) {
   all.push_back(text_entry("peer_scene", reads, {F::scene()}, [](const std::string& text) -> std::string {
     return parse_peer_scene(text, kNamed).object.empty() ? "a scene without tissue" : "";
   }));
-  all.push_back(text_entry("peer_bed", reads, {fixture.bed.substr(0, 400)}, [](const std::string& text) -> std::string {
-    const PeerBed bed = parse_peer_bed(text, kNamed);
-    return bed.vertex.size() == bed.deep.size() ? "" : "a vertex without its deep point";
-  }));
+  all.push_back(text_entry("peer_bed", reads, {fixture.bed.substr(0, fixture.bed.rfind('\n', 400) + 1)},
+                           [](const std::string& text) -> std::string {
+                             const PeerBed bed = parse_peer_bed(text, kNamed);
+                             return bed.vertex.size() == bed.deep.size() ? "" : "a vertex without its deep point";
+                           }));
   all.push_back(text_entry("peer_model", reads, {fixture.obj}, [](const std::string& text) -> std::string {
     const PeerModel m = parse_peer_model(text, kNamed, parse_peer_scene(F::scene(), "s"), nullptr, "", 10);
     return m.material.size() == m.mesh.tri.size() ? "" : "a triangle without material";

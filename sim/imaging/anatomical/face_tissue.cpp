@@ -95,8 +95,8 @@ void keep_largest(FaceTissue& f) {
   f.X_mm = std::move(X), f.tri = std::move(tri);
 }
 
-/// Triangles without the short edges that tetrahedra leave: an edge shorter than its place wants becomes its middle, put
-/// back on the surface, the shortest first, where the surface stays a manifold and no triangle turns by more than 60
+/// Triangles without the short edges that tetrahedra leave: an edge shorter than its place wants becomes its middle,
+/// put back on the surface, the shortest first, where the surface stays a manifold and no triangle turns by more than 60
 /// degrees or grows longer than twice what is wanted.
 class Thinning {
  public:

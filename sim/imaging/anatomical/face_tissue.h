@@ -4,8 +4,8 @@
 //
 //   FaceTissue face = make_face_tissue(workers);          // some seconds; app/scenes/anatomical_face.obj holds it
 //
-// It reaches from the scalp to beneath the chin and behind the ears. Skin is free; what lies on bone or was cut off deep
-// is held, and so are the sides, where the face goes on, and the globes, which lids lie upon.
+// It reaches from the scalp to beneath the chin and behind the ears. Skin is free; what lies on bone or was cut off
+// deep is held, and so are the sides, where the face goes on, and the globes, which lids lie upon.
 #include <cstdint>
 #include <vector>
 

@@ -1,6 +1,6 @@
 #pragma once
-// A peer's files, made by us: a slab of 60 x 40 x 12 mm whose left half lies on bone and whose right half is a lip, free
-// on both sides, with a free margin at its right end.
+// A peer's files, made by us: a slab of 60 x 40 x 12 mm whose left half lies on bone and whose right half is a lip,
+// free on both sides, with a free margin at its right end.
 //
 //   z ^   skin (2), texture u .05 .. .45                       margin, skin (2), u .5 .. .52
 //     |   +-----------------------------------------+
@@ -8,8 +8,8 @@
 //     |   +--------------------+--------------------+
 //         periosteum (7)        mucosa (2), u .55 .. .95
 //
-// The other sides are periphery (1). Units are 10 mm. Where x and y are of a texture place: u = .05 + .4 x/60 on the skin
-// and u = .55 + .4 x/60 on the mucosa, v = .05 + .9 y/40.
+// The other sides are periphery (1). Units are 10 mm. Where x and y are of a texture place: u = .05 + .4 x/60 on the
+// skin and u = .55 + .4 x/60 on the mucosa, v = .05 + .9 y/40.
 #include <fmt/format.h>
 
 #include <array>
