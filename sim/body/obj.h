@@ -39,8 +39,8 @@ struct ObjSpec {
   // What is held in place. By its materials, where these are tagged: every one that a face has must be.
   std::vector<ObjTag> tags;
   // Else by its directions: triangles whose outward normal is within deep_angle_deg of deep_direction (or, when a
-  // centre is given, of the direction to that centre: the inner side of a shell around the skull), and triangles with all
-  // corners beyond the plane { X : X . deep_direction = deep_plane_mm }. Everything else is skin.
+  // centre is given, of the direction to that centre: the inner side of a shell around the skull), and triangles with
+  // all corners beyond the plane { X : X . deep_direction = deep_plane_mm }. Everything else is skin.
   Vec3 deep_direction = -Vec3::UnitZ();
   double deep_angle_deg = 60;
   std::optional<Vec3> deep_center_mm;

@@ -96,8 +96,8 @@ void keep_largest(FaceTissue& f) {
 }
 
 /// Triangles without the short edges that tetrahedra leave: an edge shorter than its place wants becomes its middle,
-/// put back on the surface, the shortest first, where the surface stays a manifold and no triangle turns by more than 60
-/// degrees or grows longer than twice what is wanted.
+/// put back on the surface, the shortest first, where the surface stays a manifold and no triangle turns by more than
+/// 60 degrees or grows longer than twice what is wanted.
 class Thinning {
  public:
   Thinning(FaceTissue& f, const LevelSet& set) : f_(f), set_(set), of_(f.X_mm.size()) {
