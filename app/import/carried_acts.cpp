@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "app/import/cut_lines.h"
+#include "sim/geometry/polyline.h"
 
 namespace limberg {
 namespace {
@@ -422,7 +423,7 @@ class Carrier {
     } else if (end && !start) {
       back = {end->at_mm};
     }
-    back = corners_of(back, cuts_.step_mm());
+    back = simplify(back, cuts_.step_mm());
     outline.insert(outline.end(), back.begin(), back.end());
     std::vector<Vec3> out;
     for (const Vec3& p : outline)

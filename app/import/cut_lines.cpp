@@ -126,29 +126,4 @@ std::optional<CutLines::Crossing> CutLines::crossing(const Vec3& a, const Vec3& 
   return best;
 }
 
-std::vector<Vec3> corners_of(const std::vector<Vec3>& line, double tolerance_mm) {
-  if (line.size() < 3) return line;
-  std::vector<char> keep(line.size(), 0);
-  keep.front() = keep.back() = 1;
-  std::vector<std::pair<size_t, size_t>> open{{0, line.size() - 1}};
-  while (!open.empty()) {
-    const auto [a, b] = open.back();
-    open.pop_back();
-    const Vec3 e = line[b] - line[a];
-    double most = tolerance_mm;
-    size_t at = 0;
-    for (size_t i = a + 1; i < b; ++i) {
-      const double s = std::clamp((line[i] - line[a]).dot(e) / std::max(e.squaredNorm(), 1e-30), 0.0, 1.0);
-      if (const double d = (line[a] + s * e - line[i]).norm(); d > most) most = d, at = i;
-    }
-    if (at == 0) continue;
-    keep[at] = 1;
-    open.push_back({a, at}), open.push_back({at, b});
-  }
-  std::vector<Vec3> out;
-  for (size_t i = 0; i < line.size(); ++i)
-    if (keep[i]) out.push_back(line[i]);
-  return out;
-}
-
 }  // namespace limberg

@@ -64,7 +64,4 @@ class CutLines {
   std::vector<Line> line_;
 };
 
-/// The corners of a line that are needed for it to stay within tolerance_mm (Douglas and Peucker 1973).
-std::vector<Vec3> corners_of(const std::vector<Vec3>& line, double tolerance_mm);
-
 }  // namespace limberg

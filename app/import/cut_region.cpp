@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "app/import/cut_lines.h"
+#include "sim/geometry/polyline.h"
 #include "sim/geometry/triangle.h"
 
 namespace limberg {
@@ -170,7 +171,7 @@ std::optional<CutLines::Region> CutLines::region(const SurfaceSpot& spot) const 
   }
   if (longest.size() < 3) return std::nullopt;
   longest.push_back(longest.front());
-  region.outline = corners_of(longest, 0.5 * step_mm_);
+  region.outline = simplify(longest, 0.5 * step_mm_);
   if (region.outline.size() > 1) region.outline.pop_back();
   if (region.outline.size() < 3) return std::nullopt;
   return region;

@@ -9,11 +9,8 @@
 #include "sim/body/skin.h"
 
 namespace limberg {
-namespace {
 
-std::string text(const Vec3& X) { return fmt::format("({:.2f}, {:.2f}, {:.2f}) mm", X.x(), X.y(), X.z()); }
-
-}  // namespace
+std::string at_text(const Vec3& X) { return fmt::format("({:.2f}, {:.2f}, {:.2f}) mm", X.x(), X.y(), X.z()); }
 
 double SkinView::height_mm(const ChartPoint& p) const {
   const Vec3 n = chart.normal();
@@ -38,8 +35,8 @@ std::optional<SkinView> view_of(const Skin& skin, std::span<const Vec3> places, 
     if (!X.allFinite()) return reason = "a place is not three numbers in mm; finite ones were expected", std::nullopt;
     const SkinHit hit = skin.nearest(X);
     if (const double off = (hit.X_mm - X).norm(); hit.triangle < 0 || !(off <= kOffSkin_mm))
-      return reason = fmt::format("place {} lies {:.1f} mm off the skin; one within {:g} mm was expected", text(X), off,
-                                  kOffSkin_mm),
+      return reason = fmt::format("place {} lies {:.1f} mm off the skin; one within {:g} mm was expected", at_text(X),
+                                  off, kOffSkin_mm),
              std::nullopt;
     // smoothed over the facets around it, as a blade's is
     const Vec3 normal = skin.frame(hit.X_mm).normal;
@@ -53,7 +50,7 @@ std::optional<SkinView> view_of(const Skin& skin, std::span<const Vec3> places, 
       return reason = fmt::format(
                  "the skin turns too far between the places of the act: at {} by {:.0f} degrees from "
                  "their mean; shorter acts were expected",
-                 text(view.place[i]),
+                 at_text(view.place[i]),
                  elementary::acos(std::clamp(normals[i].dot(n), -1.0, 1.0)) * 180 / 3.141592653589793),
              std::nullopt;
   const Chart body = skin.body().chart();

@@ -35,6 +35,9 @@ inline constexpr double kOffSkin_mm = 5;    // a place in space may lie so far o
 /// Cosine between the view and the skin at a place. More oblique, a chart of one plane stretches paths fivefold.
 inline constexpr double kObliqueView = 0.2;
 
+/// "(1.00, 2.00, 3.00) mm"
+std::string at_text(const Vec3& X_mm);
+
 /// The view of an act at these places, at least one; nothing, with a reason, when one lies off the skin, or the skin
 /// turns too far between them.
 std::optional<SkinView> view_of(const Skin& skin, std::span<const Vec3> places, std::string& reason);

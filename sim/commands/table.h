@@ -34,6 +34,7 @@
 #include "sim/commands/command.h"
 #include "sim/commands/field.h"
 #include "sim/geometry/blade_angle.h"
+#include "sim/geometry/polyline.h"
 
 namespace limberg {
 
@@ -89,7 +90,6 @@ std::string slack_is_of_a_running_suture(const auto& k) {
 }  // namespace row
 
 double path_mm(const std::vector<ChartPoint>& path, bool closed = false);
-double path_mm(const std::vector<Vec3>& path);
 double area_mm2(const std::vector<ChartPoint>& outline);
 /// So many significant digits, without an exponent or needless zeros.
 std::string rounded_text(double value, int digits);
@@ -232,9 +232,11 @@ struct Act<CutThrough> {
     return "";
   }
   static std::string words(const CutThrough& c) {
-    return fmt::format("cut of {:.0f} mm right through", path_mm(c.path));
+    return fmt::format("cut of {:.0f} mm right through", path_length(c.path));
   }
-  static Deed deed(const CutThrough& c) { return {"Cut of " + rounded_text(path_mm(c.path), 3) + " mm right through"}; }
+  static Deed deed(const CutThrough& c) {
+    return {"Cut of " + rounded_text(path_length(c.path), 3) + " mm right through"};
+  }
 };
 
 template <>

@@ -14,12 +14,6 @@ double path_mm(const std::vector<ChartPoint>& p, bool closed) {
   return closed && p.size() > 2 ? l + (p.front() - p.back()).norm() : l;
 }
 
-double path_mm(const std::vector<Vec3>& p) {
-  double l = 0;
-  for (size_t i = 1; i < p.size(); ++i) l += (p[i] - p[i - 1]).norm();
-  return l;
-}
-
 double area_mm2(const std::vector<ChartPoint>& p) {
   double a = 0;
   for (size_t i = 0; i < p.size(); ++i) {

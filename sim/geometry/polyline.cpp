@@ -31,7 +31,11 @@ std::optional<double> meet_segments(const Vec2& p, const Vec2& q, const Vec2& a,
   return s;
 }
 
-void keep_corners(std::span<const Vec2> path, size_t first, size_t last, double tolerance, std::span<uint8_t> keep) {
+namespace {
+
+template <class Point>
+void keep_corners_of(std::span<const Point> path, size_t first, size_t last, double tolerance,
+                     std::span<uint8_t> keep) {
   std::vector<std::pair<size_t, size_t>> stack{{first, last}};
   while (!stack.empty()) {
     const auto [a, b] = stack.back();
@@ -47,15 +51,25 @@ void keep_corners(std::span<const Vec2> path, size_t first, size_t last, double 
   }
 }
 
-std::vector<Vec2> simplify(std::span<const Vec2> path, double tolerance) {
+template <class Point>
+std::vector<Point> simplified(std::span<const Point> path, double tolerance) {
   if (path.size() < 3) return {path.begin(), path.end()};
   std::vector<uint8_t> keep(path.size(), 0);
   keep.front() = keep.back() = 1;
-  keep_corners(path, 0, path.size() - 1, tolerance, keep);
-  std::vector<Vec2> out;
+  keep_corners_of(path, 0, path.size() - 1, tolerance, keep);
+  std::vector<Point> out;
   for (size_t i = 0; i < path.size(); ++i)
     if (keep[i]) out.push_back(path[i]);
   return out;
 }
+
+}  // namespace
+
+void keep_corners(std::span<const Vec2> path, size_t first, size_t last, double tolerance, std::span<uint8_t> keep) {
+  keep_corners_of(path, first, last, tolerance, keep);
+}
+
+std::vector<Vec2> simplify(std::span<const Vec2> path, double tolerance) { return simplified(path, tolerance); }
+std::vector<Vec3> simplify(std::span<const Vec3> path, double tolerance) { return simplified(path, tolerance); }
 
 }  // namespace limberg

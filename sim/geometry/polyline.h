@@ -45,5 +45,6 @@ void keep_corners(std::span<const Vec2> path, size_t first, size_t last, double 
 
 /// The path with only the corners that keep_corners() finds; first and last points stay.
 std::vector<Vec2> simplify(std::span<const Vec2> path, double tolerance);
+std::vector<Vec3> simplify(std::span<const Vec3> path, double tolerance);
 
 }  // namespace limberg

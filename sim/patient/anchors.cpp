@@ -109,10 +109,8 @@ std::optional<Anchor> make_wall_anchor(const SurfaceView& view, const RestIndex&
     const double d2 = (at - X).squaredNorm();
     if (d2 > best || (found && d2 == best)) continue;
     best = d2;
-    Anchor a;
-    a.at = p, a.X_mm = at, a.wall_normal = n.normalized();
-    a.hint_mm = (1 - kInside) * at + kInside * (corner(view, t, 0) + corner(view, t, 1) + corner(view, t, 2)) / 3;
-    found = a;
+    found = make_anchor(view, index, p);
+    found->wall_normal = n.normalized();
   }
   return found;
 }

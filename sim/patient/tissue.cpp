@@ -101,9 +101,9 @@ std::optional<Anchor> Tissue::find_in_wall(const ChartPoint& p, HeldSide side, s
   if (anchor) anchor->embedded = embed(anchor->at);
   if (!anchor)
     reason = fmt::format(
-        "there is no cut face of the kind \"{}\" within {:g} mm of ({:.2f}, {:.2f}, {:.2f}) mm; a place on one, where "
+        "there is no cut face of the kind \"{}\" within {:g} mm of {}; a place on one, where "
         "it lay at rest, was expected",
-        kHeldSides[size_t(side)], kWallReach_mm, X.x(), X.y(), X.z());
+        kHeldSides[size_t(side)], kWallReach_mm, at_text(X));
   return anchor;
 }
 

@@ -23,8 +23,6 @@ struct Ruling {
   bool drawn = true;                           // between the posts
 };
 
-std::string place_text(const Vec3& X) { return fmt::format("({:.2f}, {:.2f}, {:.2f}) mm", X.x(), X.y(), X.z()); }
-
 /// Where the line through X along `out` meets the skin from outside, nearest to X, and how thick the body is there.
 std::optional<Ruling> ruling_at(const Skin& skin, const Vec3& X, const Vec3& out, double reach_mm) {
   const auto hits = skin.surface().line(X + reach_mm * out, -out, 0, 2 * reach_mm + kThickest_mm);
@@ -202,7 +200,7 @@ BladeResult build_through(const BladeContext& c, const Skin& skin, const Through
         why = fmt::format(
             "at {} the blade does not come out on the other side within {:g} mm; a part of the body with "
             "two free sides was expected",
-            place_text(drawn[i].X), kThickest_mm);
+            at_text(drawn[i].X), kThickest_mm);
     }
     if (!why.empty()) continue;
     std::vector<Ruling> all;
@@ -214,7 +212,7 @@ BladeResult build_through(const BladeContext& c, const Skin& skin, const Through
         beyond = over_margin(skin, last, way, margin);
         if (beyond.empty())
           why = fmt::format("\"{}\": no free margin within {:g} mm of {}; a post nearer to the margin was expected",
-                            name, kMarginReach_mm, place_text(last.X));
+                            name, kMarginReach_mm, at_text(last.X));
       } else if (const WoundMap wounds(c); !wounds.empty()) {
         const double near = wounds.nearest(view.chart.to_chart(last.X)).distance;
         Ruling on = last;

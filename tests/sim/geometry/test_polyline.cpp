@@ -78,7 +78,10 @@ TEST(Polyline, CornersStayAndTremorGoes) {
   for (const Vec2& p : drawn)
     EXPECT_LE(std::min(distance_to_segment(p, kept[0], kept[1]), distance_to_segment(p, kept[1], kept[2])), 0.3);
   EXPECT_EQ(simplify(drawn, 0).size(), drawn.size());
-  EXPECT_TRUE(simplify({}, 1).empty());
+  EXPECT_TRUE(simplify(std::span<const Vec2>(), 1).empty());
+  // In space as in the plane.
+  const std::vector<Vec3> bent{{0, 0, 1}, {1, 0.01, 1}, {2, 0, 1}, {2, 0, 3}};
+  EXPECT_EQ(simplify(bent, 0.1), (std::vector<Vec3>{bent[0], bent[2], bent[3]}));
 
   // Only between the two points asked for.
   std::vector<uint8_t> keep(drawn.size(), 0);
