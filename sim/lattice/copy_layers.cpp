@@ -110,9 +110,8 @@ std::vector<double> layers_of_classes(const CellComponents& cell, const Material
 }
 
 int32_t stencil_of_copy(const StencilTable& table, const MaterialSurface& surface, const LatticeTopology& t,
-                        int32_t cell, int cls) {
+                        int32_t cell, int cls, int32_t whole) {
   const CellPlace place = t.tree.place(t.grid, cell);
-  const int32_t whole = table.of_place(place);
   const std::shared_ptr<const CellComponents>& in = t.components[size_t(cell)];
   const LayeredCell* layered = whole < 0 ? nullptr : table.layered(whole);
   if (!layered || !in || in->classes[size_t(cls)].fraction < kLeastFraction) return whole;

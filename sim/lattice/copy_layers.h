@@ -29,8 +29,8 @@ inline constexpr double kSameShare = 0.02;
 std::vector<double> layers_of_classes(const CellComponents& cell, const MaterialSurface& surface, const Vec3& low_half,
                                       const Vec3& size_half, const CellDepth& depth, std::span<const double> end_mm);
 
-/// The stencil of a copy, of the class `cls` of its cell.
+/// The stencil of a copy, of the class `cls` of its cell. `whole`: that of the undivided cell.
 int32_t stencil_of_copy(const StencilTable& table, const MaterialSurface& surface, const LatticeTopology& topology,
-                        int32_t cell, int cls);
+                        int32_t cell, int cls, int32_t whole);
 
 }  // namespace limberg

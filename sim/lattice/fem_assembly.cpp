@@ -26,17 +26,17 @@ class Assembly {
     const CellPlace place = t_.tree.place(t_.grid, copy.cell);
     for (int a = 0; a < 3; ++a) out.at[size_t(a)] = int16_t(2 * place.at[a] >> place.level);
     out.level = uint8_t(place.level);
-    out.stencil = stencil(id, place);
+    out.stencil = stencil(id, table_.of_place(place));
     if (out.stencil < 0) throw Contradiction("material in a lattice cell for which there is no stencil");
     out.scale = scale(copy.fraction, place.level, out.stencil);
     return out;
   }
-  int32_t stencil(int32_t id, const CellPlace& place) const {
+  int32_t stencil(int32_t id, int32_t whole) const {
     const int32_t cell = t_.cells[size_t(id)].cell;
     if (surface_ && t_.components[size_t(cell)])
       for (int k = 0; k < t_.copies_of(cell); ++k)
-        if (t_.copy(cell, k) == id) return stencil_of_copy(table_, *surface_, t_, cell, k);
-    return table_.of_place(place);
+        if (t_.copy(cell, k) == id) return stencil_of_copy(table_, *surface_, t_, cell, k, whole);
+    return whole;
   }
   float scale(double fraction, int level, int32_t stencil) const {
     const double whole = whole_mm3_ / double(1 << 3 * level), body = table_.body_mm3(stencil);
@@ -53,7 +53,31 @@ class Assembly {
     const double volume = whole_mm3_ / double(1 << 3 * cell.level);
     const double mass = std::max(copy.fraction, 0.0) * volume * density(undivided);
     const int32_t mixture = table_.of_place(place);
+    if (table_.held_corners(mixture)) return mass;  // whichever of its corners are held
     return cell.stencil == mixture ? mass : mass * density(cell.stencil) / density(mixture);
+  }
+  /// A stencil for held corners takes for granted that they are: where a copy's are not, it takes another.
+  void hold_as_found(FemModel& model, int32_t id, const std::vector<uint8_t>& hangs) const {
+    const CellCopy& copy = t_.cells[size_t(id)];
+    const CellPlace place = t_.tree.place(t_.grid, copy.cell);
+    const int32_t usual = table_.of_place(place);
+    const uint8_t taken = usual < 0 ? 0 : table_.held_corners(usual);
+    if (!taken) return;
+    uint8_t held = taken;
+    for (size_t k = 0; k < 8; ++k) {
+      const size_t n = size_t(copy.node[k]);
+      if (!model.fixed[n].any() && !hangs[n]) held &= uint8_t(~(1u << k));  // what hangs is held by its masters
+    }
+    HexCell now = model.cells[size_t(id)];
+    const int32_t found = stencil(id, held == taken ? usual : table_.of_place(place, held));
+    if (found == now.stencil) return;
+    now.stencil = found, now.scale = scale(copy.fraction, now.level, found);
+    model.cells.set(size_t(id), now);
+  }
+  std::vector<uint8_t> what_hangs() const {
+    std::vector<uint8_t> out(t_.nodes.size(), 0);
+    for (const auto& h : t_.hanging) out[size_t(h.node)] = 1;
+    return out;
   }
   /// What of the node at its corner a copy holds.
   Held holds(int32_t cell, uint8_t fixed_sides, int32_t node, size_t corner) const {
@@ -103,6 +127,8 @@ void Assembly::all(FemModel& model) const {
   }
   for (const auto& h : t_.hanging) fixed[size_t(h.node)] = false;  // its masters hold it
   model.fixed = fixed;
+  const std::vector<uint8_t> hangs = what_hangs();
+  for (size_t id = 0; id < t_.cells.size(); ++id) hold_as_found(model, int32_t(id), hangs);
   model.mass_kg = mass;
 }
 
@@ -125,7 +151,7 @@ void Assembly::changed(FemModel& model, const EarlierModel& before) const {
     HexCell now = before.model.cells[parent];
     if (copy.cell == before.topology.cells[parent].cell) {
       now.node = copy.node;
-      if (surface_) now.stencil = stencil(int32_t(c), t_.tree.place(t_.grid, copy.cell));
+      if (surface_) now.stencil = stencil(int32_t(c), table_.of_place(t_.tree.place(t_.grid, copy.cell)));
       now.scale = scale(copy.fraction, now.level, now.stencil);
     } else {
       now = cell(int32_t(c));
@@ -190,6 +216,8 @@ void Assembly::nodes_again(FemModel& model, std::span<const int32_t> nodes) cons
     model.mass_kg.set(size_t(nodes[i]), mass[i]);
     model.fixed.set(size_t(nodes[i]), fixed[i]);
   }
+  const std::vector<uint8_t> hangs = what_hangs();
+  for (int32_t id : copies.ascending()) hold_as_found(model, id, hangs);
 }
 
 }  // namespace

@@ -8,6 +8,9 @@
 //   may cross the cell, or its corners are held, each layer's moments in it (cut_cells.h, held_cells.h); else one box;
 //   frame at the cell's centre. Cells of one layer without prestretch share its stencil, cut by the surface or not.
 //
+// A copy whose corners are not held as its stencil has it (a flap raised from a bed that is no plane of the lattice)
+// takes one that is made for those which are.
+//
 // A cell copy takes its stencil times its volume over that for which the stencil stands (body_mm3), the whole cell or
 // the body's part of it, with at least kLeastFraction of the cell; a fraction above 0.998 of a whole cell counts as 1,
 // so that the micrometres by which lattice planes lie outside a block do not load it. Copies of one cell whose wall
@@ -50,6 +53,11 @@ class StencilTable {
   int32_t of_cell(int32_t cell) const { return of_cell_[size_t(cell)]; }  // -1: the body is nowhere in the cell
   /// The same for a cell of any level; may add to stencils(), so one thread at a time.
   int32_t of_place(const CellPlace& place) const;
+  /// The corners (bits) that a stencil takes as held: its functions vanish at the held surface, and those corners have
+  /// next to no stiffness against each other (held_cells.h).
+  uint8_t held_corners(int32_t stencil) const { return held_of_[size_t(stencil)]; }
+  /// As of_place(), of a copy of which these corners alone are held: a flap that a cut has raised from its bed.
+  int32_t of_place(const CellPlace& place, uint8_t held) const;
 
   /// The volume of tissue that a stencil stands for: the body's in a cell that it does not fill, else the cell's.
   double body_mm3(int32_t stencil) const { return body_mm3_[size_t(stencil)]; }
@@ -77,19 +85,20 @@ class StencilTable {
   void fill_general(const Skin& skin, const LatticeGrid& grid);
   void find_held(const Skin& skin, const LatticeGrid& grid);
   HeldCorners held_corners(Int3 cell);
-  HeldCorners held_part(const LatticeGrid& grid, Int3 at, int level) const;
+  HeldCorners held_part(const LatticeGrid& grid, Int3 at, int level, uint8_t of = 0xff) const;
   struct Made;  // a stencil, the volume that it stands for, and what it was made from
   Made cut_cell(const CellCutter& cutter, const CellSamples& samples, const HeldCorners& held, const Vec3& centre_mm,
                 const Skin::Place& at_centre) const;
   int32_t add(Made made) const;
   int32_t intern(Made made) const;
   Made block_row(const LatticeGrid& grid, int32_t z) const;
-  Made general_part(const LatticeGrid& grid, Int3 at, int level) const;
+  Made general_part(const LatticeGrid& grid, Int3 at, int level, uint8_t held = 0xff) const;
   std::vector<LayerMatter> matter_;  // per layer
   std::vector<LawPtr> laws_;
   mutable SharedArray<Stencil> stencils_;
   std::vector<double> layer_ends_;
   mutable std::vector<double> body_mm3_;  // per stencil
+  mutable std::vector<uint8_t> held_of_;
   mutable std::vector<std::shared_ptr<LayeredCell>> layered_;
   mutable std::map<uint64_t, std::vector<int32_t>> alike_;  // stencils by a hash of some of their numbers
   std::vector<int32_t> of_cell_;
@@ -102,6 +111,7 @@ class StencilTable {
   bool is_block_ = false;
   uint8_t fixed_sides_ = 0, sliding_sides_ = 0;                // of a block
   mutable std::map<std::array<int32_t, 4>, int32_t> of_part_;  // level and place (of a block: z alone)
+  mutable std::map<std::array<int32_t, 5>, int32_t> of_held_;  // and corners
   mutable std::map<std::array<int32_t, 3>, uint8_t> fixed_part_;
 };
 

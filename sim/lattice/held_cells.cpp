@@ -1,5 +1,7 @@
 #include "sim/lattice/held_cells.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -75,6 +77,20 @@ class HeldFunctions {
   bool fits_ = true;
 };
 
+// In a rotation, p0 V |sum u B^T|^2 / 2 comes off u K u / 2 (fem_model.h). They cancel where K has the mean gradient that
+// B is; here B is only near to it, and with more V than this the cell at rest would lie on a saddle: 1 / (p0 m), m the
+// largest eigenvalue of B^T K^-1 B over the corners that move.
+double most_volume_mm3(const Stencil& s, const Vec3& cell_mm, const HeldFunctions& functions) {
+  const Gradients B = trilinear_gradients(s, s.sample, cell_mm);
+  std::vector<int> free;
+  for (int k = 0; k < 8; ++k)
+    if (functions.free(size_t(k))) free.push_back(k);
+  const Eigen::MatrixXd K = s.K(free, free), of = B(free, Eigen::all);
+  const Mat3 M = of.transpose() * K.ldlt().solve(of);
+  const double m = Eigen::SelfAdjointEigenSolver<Mat3>(M, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
+  return m > 0 ? 1 / (s.p0_kPa * m) : INFINITY;
+}
+
 }  // namespace
 
 bool hold_at_surface(Stencil& s, const Vec3& cell_mm, const HeldCorners& corners, const std::vector<LayerPoint>& points,
@@ -128,6 +144,7 @@ bool hold_at_surface(Stencil& s, const Vec3& cell_mm, const HeldCorners& corners
   s.volume_mm3 *= factor * factor;
   s.K = (0.5 * (s.K + s.K.transpose())).eval();
   for (int i = 0; i < 8; ++i) s.K(i, i) -= s.K.row(i).sum();
+  if (s.p0_kPa > 0) s.volume_mm3 = std::min(s.volume_mm3, most_volume_mm3(s, cell_mm, functions));
   return true;
 }
 

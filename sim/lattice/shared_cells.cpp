@@ -8,6 +8,7 @@ namespace limberg {
 namespace {
 
 constexpr double kSlide = 0.97;
+constexpr double kFilled = 0.25;  // of a cell; 0.14 drew corners out, 0.25 and 0.5 did not (2026-11-28)
 
 using Vec8 = Eigen::Matrix<double, 8, 1>;
 
@@ -85,7 +86,9 @@ void share_cell(Stencil& s, const Vec3& cell_mm, const std::vector<LayerPart>& p
     plate += share * mu * bending_over_mu(m.poisson), shape += share * mu;
   }
   double slide = kSlide * (mean - 1 / compliance);
-  const bool shared = parts.size() > 1 && slide >= 1e-6 * mean;
+  double body_mm3 = 0;
+  for (const LayerPart& p : parts) body_mm3 += p.moments.volume_mm3;
+  const bool shared = parts.size() > 1 && slide >= 1e-6 * mean && body_mm3 >= kFilled * cell_mm.prod();
   if (!(shared || cut) || !(s.p0_kPa > 0)) return;
   if (!shared) slide = 0;
 

@@ -27,8 +27,10 @@
 // All of it vanishes for a homogeneous gradient: rest, rigid motions and even stretch are as before.
 //
 // Only cells with two or more layers that differ, all of them with a matrix modulus (laws of points hold their own
-// shape). A cell that the body does not fill has the bending, if only one layer is in it: without that a sheet of a
-// thickness t in a cell of edge h would be (h / t)^2 times as stiff as the shear x of its parts makes a cube of it.
+// shape), that the body fills by a quarter at least: with less, the centre, where the volume and what slides are
+// measured, lies beside the matter, and free corners there are drawn out by metres. A cell that the body does not fill
+// has the bending, if only one layer is in it: without that a sheet of a thickness t in a cell of edge h would be
+// (h / t)^2 times as stiff as the shear x of its parts makes a cube of it.
 #include <array>
 #include <vector>
 

@@ -116,6 +116,7 @@ struct StencilTable::Made {
   Stencil stencil;
   double body_mm3 = 0;
   std::shared_ptr<LayeredCell> layered;
+  uint8_t held = 0;  // corners
 };
 
 StencilTable::~StencilTable() = default;
@@ -191,8 +192,8 @@ int32_t StencilTable::intern(Made made) const {
   for (const int32_t at : alike->second) {
     const size_t i = size_t(at);
     const Stencil& o = std::as_const(stencils_)[i];
-    if (body_mm3_[i] == body_mm3 && o.K == s.K && o.volume_mm3 == s.volume_mm3 && o.mu_kPa == s.mu_kPa &&
-        o.lambda_kPa == s.lambda_kPa && o.p0_kPa == s.p0_kPa && o.sample == s.sample &&
+    if (body_mm3_[i] == body_mm3 && held_of_[i] == made.held && o.K == s.K && o.volume_mm3 == s.volume_mm3 &&
+        o.mu_kPa == s.mu_kPa && o.lambda_kPa == s.lambda_kPa && o.p0_kPa == s.p0_kPa && o.sample == s.sample &&
         o.density_kg_mm3 == s.density_kg_mm3 && o.level == s.level && o.slide_kPa == s.slide_kPa &&
         o.slide_axes == s.slide_axes && o.rest_mN == s.rest_mN && o.mean_gradients == s.mean_gradients &&
         std::equal(o.points.begin(), o.points.end(), s.points.begin(), s.points.end(),
@@ -334,7 +335,7 @@ StencilTable::Made StencilTable::cut_cell(const CellCutter& cutter, const CellSa
   OfMoments made = of_moments(h, moments, matter_, frame);
   Stencil& s = made.stencil;
   if (held.held && hold_at_surface(s, h, held, cutter.points(samples), matter_, frame, made.spread))
-    return {std::move(s), volume, nullptr};
+    return {std::move(s), volume, nullptr, held.held};
   share_cell(s, h, made.parts, frame, made.spread > 0);
   std::shared_ptr<LayeredCell> layered;
   if (made.parts.size() > 1) {
@@ -367,6 +368,7 @@ int32_t StencilTable::add(Made made) const {
   alike_[some_of(made.stencil, made.body_mm3)].push_back(int32_t(stencils_.size()));
   stencils_.push_back(std::move(made.stencil));
   body_mm3_.push_back(made.body_mm3);
+  held_of_.push_back(made.held);
   layered_.push_back(std::move(made.layered));
   return int32_t(stencils_.size()) - 1;
 }
@@ -453,7 +455,7 @@ HeldCorners StencilTable::held_corners(Int3 cell) {
 }
 
 // The same of a part of a cell.
-HeldCorners StencilTable::held_part(const LatticeGrid& grid, Int3 at, int level) const {
+HeldCorners StencilTable::held_part(const LatticeGrid& grid, Int3 at, int level, uint8_t of) const {
   HeldCorners c;
   if (held_surface_.empty()) return c;
   const int32_t size = kEighths >> level;
@@ -472,18 +474,19 @@ HeldCorners StencilTable::held_part(const LatticeGrid& grid, Int3 at, int level)
     const double d = c.depth_mm[k] = held_surface_.depth_mm(grid.node_mm(corner[k]), near);
     if (may[k] == kNearFixed || (may[k] == kFarFixed && d <= 0)) c.held |= uint8_t(1u << k);
   }
+  c.held &= of;
   return c;
 }
 
 // As the loop of fill_general, for one part of a cell.
-StencilTable::Made StencilTable::general_part(const LatticeGrid& grid, Int3 at, int level) const {
+StencilTable::Made StencilTable::general_part(const LatticeGrid& grid, Int3 at, int level, uint8_t corners) const {
   const Vec3 h = grid.cell_mm(), low = grid.node_mm(at), centre = low + 0.5 * h;
   const double reach = 0.5 * h.norm();
   Skin::Near near;
   const Skin::Place place = skin_->place(centre, near);
   const int upper = skin_->layer_at(place.depth_mm - reach), lower = skin_->layer_at(place.depth_mm + reach);
   const bool stretched = upper != lower || matter_[size_t(upper)].directed();
-  const HeldCorners held = held_part(grid, at, level);
+  const HeldCorners held = held_part(grid, at, level, corners);
   Made made{{}, h.prod(), nullptr};
   if (upper == lower && !held.held && (!stretched || !(place.inside_mm < reach))) {
     StretchFrame frame;
@@ -511,6 +514,16 @@ int32_t StencilTable::of_place(const CellPlace& place) const {
   if (is_new) {
     const LatticeGrid grid = grid_.at_level(place.level);
     Made made = is_block_ ? block_row(grid, place.at.z) : general_part(grid, place.at, place.level);
+    made.stencil.level = uint8_t(place.level);
+    it->second = intern(std::move(made));
+  }
+  return it->second;
+}
+
+int32_t StencilTable::of_place(const CellPlace& place, uint8_t held) const {
+  const auto [it, is_new] = of_held_.try_emplace({place.level, place.at.x, place.at.y, place.at.z, held}, -1);
+  if (is_new) {
+    Made made = general_part(grid_.at_level(place.level), place.at, place.level, held);
     made.stencil.level = uint8_t(place.level);
     it->second = intern(std::move(made));
   }
