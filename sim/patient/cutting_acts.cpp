@@ -69,7 +69,12 @@ Acted<TissueChange> SoftTissue::cut(const Undermine& c) {
   TissueCut cut(tissue_, spec().refine_pockets ? Divide::fronts : Divide::nothing);
   const CutResult made = cut.cut(*blade.blade, seed());
   if (!made.ok()) return refusal(made);
-  return finish(cut);
+  const DebrisResult shaved = cut.sweep_shavings();
+  Acted<TissueChange> acted = finish(cut);
+  if (acted.done && shaved.pieces > 0)
+    acted.reason = fmt::format("under the defect the blade shaved the bed: {:.0f} mm³ without skin {} swept away",
+                               shaved.volume_mm3, shaved.pieces == 1 ? "was" : "in slices were");
+  return acted;
 }
 
 Acted<TissueChange> SoftTissue::cut(const Excise& c) {

@@ -1,9 +1,13 @@
 #include "sim/patient/tissue_cut.h"
 
+#include <algorithm>
+
 #include "sim/base/error.h"
+#include "sim/cutting/arrangement/point_store.h"
 #include "sim/geometry/triangle.h"
 #include "sim/lattice/contradiction.h"
 #include "sim/lattice/embedding.h"
+#include "sim/lattice/material_surface.h"
 #include "sim/lattice/region.h"
 
 namespace limberg {
@@ -11,6 +15,8 @@ namespace {
 
 // Of the surface of a piece that is taken out by touching it: more is one that sits on the bone.
 constexpr double kMostHeld = 0.12;
+// Of the surface of a slice off a bed: hairs of it, where two blades ran along the same wall.
+constexpr double kShavedSkin = 0.02;
 
 }  // namespace
 
@@ -95,6 +101,42 @@ Outcome TissueCut::take_out(const SurfacePoint& touched) {
       held || most ? -1 : c,
       "the tissue there is still attached; a piece that cuts have freed all round was expected (incise round it "
       "and undermine it, or give \"outline\" and \"depth_mm\")");
+}
+
+int32_t TissueCut::shaving() const {
+  const std::vector<SurfaceComponent>& all = arrangement_.components();
+  std::vector<double> area(all.size(), 0), skin(all.size(), 0);
+  const auto loose = [&](int32_t c) {
+    return c >= 0 && !all[size_t(c)].touches_fixed && all[size_t(c)].volume_mm3 > 0;
+  };
+  if (std::none_of(all.begin(), all.end(), [&](const auto& c) { return loose(int32_t(&c - all.data())); })) return -1;
+  const MaterialSurface s = material_surface(arrangement_);
+  for (size_t f = 0; f < s.faces.size(); ++f)
+    for (int side = 0; side < 2; ++side) {
+      const int32_t c = s.faces[f].has_side(side) ? arrangement_.component_of(sided_face(int32_t(f), side)) : -1;
+      if (!loose(c)) continue;
+      std::array<Vec3, 3> X;
+      for (size_t k = 0; k < 3; ++k) X[k] = s.grid.half_unit_mm() * s.points->approx(s.faces[f].v[k]);
+      const double mm2 = 0.5 * area_vector2(X[0], X[1], X[2]).norm();
+      const size_t o = size_t(s.faces[f].orig);
+      area[size_t(c)] += mm2;
+      if (s.orig[o].op == 0 && o < s.tag.size() && s.tag[o] == SurfaceTag::skin) skin[size_t(c)] += mm2;
+    }
+  for (size_t c = 0; c < all.size(); ++c)
+    if (loose(int32_t(c)) && 2 * all[c].volume_mm3 < kShaving_mm * area[c] && skin[c] < kShavedSkin * area[c])
+      return int32_t(c);
+  return -1;
+}
+
+DebrisResult TissueCut::sweep_shavings() {
+  DebrisResult swept;
+  while (shaving() >= 0) {
+    if (!follow().done) break;
+    const double before = removed_mm3();
+    if (!take(shaving(), "").done) break;
+    ++swept.pieces, swept.volume_mm3 += removed_mm3() - before;
+  }
+  return swept;
 }
 
 Outcome TissueCut::take(int32_t component, const char* attached) {

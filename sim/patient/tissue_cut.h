@@ -21,6 +21,8 @@ namespace limberg {
 
 /// The smallest loose piece that counts as tissue.
 inline constexpr double kDebris_mm3 = 1;
+/// Of a bed that a blade shaves while it undermines, where the skin over it is gone: a thinner slice counts as none.
+inline constexpr double kShaving_mm = 1;
 
 /// One cut of the arrangement with what went with it: enough to make it again.
 struct CutStep {
@@ -49,6 +51,9 @@ class TissueCut {
   /// Takes out the piece that this point of the present surface belongs to; refused while a good part of it is held, or
   /// where it is the patient. A strip of periosteum at its edge goes with it.
   Outcome take_out(const SurfacePoint& touched);
+  /// Takes out what lies loose that has hardly any skin and is thinner than kShaving_mm (twice its volume over its
+  /// surface): undermining goes on under a defect, and what it slices off the bed there no one would leave.
+  DebrisResult sweep_shavings();
   /// The same blade, seed and try on the same state; false: other bits came of it, a defect.
   bool again(const CutStep& step);
 
@@ -67,6 +72,7 @@ class TissueCut {
   static void make_room_to_take_back(Tissue& tissue, std::span<const CutStep> steps);
 
  private:
+  int32_t shaving() const;  // a component that is one; none: -1
   double held_share(int32_t component) const;  // of its surface
   Outcome follow();
   Outcome take(int32_t component, const char* attached);

@@ -264,6 +264,33 @@ TEST(World, APlugWithoutFloorLeavesOnceItIsUndermined) {
   ASSERT_TRUE(o.done) << o.reason;
 }
 
+// Undermining goes on under a defect: a thin slice off its bed goes with the blade, a thick one is the surgeon's.
+TEST(World, UnderminingUnderADefectLeavesNoShavings) {
+  InlineWorkers workers;
+  for (const bool thin : {true, false}) {
+    World world(small_block(), workers);
+    const std::vector<ChartPoint> ring{{8, 0}, {0, 7}, {-8, 0}, {0, -7}};
+    ASSERT_TRUE(world.apply(Incise{{ring[0], ring[1], ring[2], ring[3], ring[0]}, 4.4, 90}).done);
+    ASSERT_TRUE(world.apply(Excise{ring, thin ? 3.7 : 1.5, true}).done);
+    const uint64_t before = world.topology()->hash;
+    const double removed = world.skin()->removed_volume_mm3();
+    const Outcome o = world.apply(Undermine{{{14, -12}, {14, 12}, {-14, 12}, {-14, -12}}, 4});
+    ASSERT_TRUE(o.done) << o.reason;
+    const double slice = 2 * 8 * 7 * (thin ? 4 - kSheetRaise - 3.7 : 4 - 1.5);
+    EXPECT_EQ(world.skin()->pieces(), thin ? 1 : 2);
+    EXPECT_EQ(o.reason.find("shaved") != std::string::npos, thin) << o.reason;
+    EXPECT_NEAR(world.skin()->removed_volume_mm3() - removed, thin ? slice : 0, 0.4 * slice);
+    EXPECT_NEAR((world.skin()->volume_mm3() + world.skin()->removed_volume_mm3()) / world.skin()->initial_volume_mm3(),
+                1, 1e-9);
+    const uint64_t after = world.topology()->hash;
+    ASSERT_TRUE(world.apply(Undo{}).done);
+    EXPECT_EQ(world.topology()->hash, before);
+    EXPECT_NEAR(world.skin()->removed_volume_mm3(), removed, 1e-9);
+    ASSERT_TRUE(world.apply(Redo{}).done);
+    EXPECT_EQ(world.topology()->hash, after);
+  }
+}
+
 TEST(World, ASceneThatCannotBeCutSaysSo) {
   InlineWorkers workers;
   WorldSpec spec = small_block();
