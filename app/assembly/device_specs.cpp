@@ -11,6 +11,8 @@
 #include "devices/fastrak/port.h"
 #include "devices/fastrak/source.h"
 #include "devices/force/force_source.h"
+#include "devices/force/lcm_force_port.h"
+#include "devices/force/waited_source.h"
 #include "devices/lcm_net_source.h"
 #include "devices/lcm_publisher.h"
 #include "sim/base/elementary.h"
@@ -94,6 +96,14 @@ LiveSource force_simulated(const DeviceSpec& spec, int) {
   };
 }
 
+LiveSource force_lcm(const DeviceSpec& spec, int) {
+  const std::string url = spec.rest.empty() ? LcmNetSettings{}.url : spec.rest;
+  return [url](const LiveStart& start) {
+    return std::make_unique<WaitedForceSource>(std::make_unique<LcmForcePort>(url, start.time), start.time,
+                                               ForceSourceSettings{}, start.stiffness);
+  };
+}
+
 // Roles of a FASTRAK: a letter a station, f forefinger, t thumb, F and T those of a second glove, s stylus.
 constexpr DeviceKind kKinds[] = {
     {.name = "emulated",
@@ -137,7 +147,13 @@ constexpr DeviceKind kKinds[] = {
      .form = "force-simulated",
      .meaning = "a force device made of equations, in a hand that presses and strokes",
      .feels = true,
-     .live = force_simulated}};
+     .live = force_simulated},
+    {.name = "force-lcm",
+     .form = "force-lcm[:URL]",
+     .meaning = "a force device of another program: poses come over LCM, forces go back",
+     .feels = true,
+     .over_lcm = true,
+     .live = force_lcm}};
 
 }  // namespace
 

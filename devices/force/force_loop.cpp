@@ -44,8 +44,11 @@ bool ForceLoop::closest(const Vec3& p, Touch& best) const {
 
 Vec3 ForceLoop::contact_force(const Vec3& tip, double k) {
   Touch t{};
-  if (k <= 0 || !closest(tip, t) || t.depth <= 0 || t.depth > kDeepest_mm || t.apart > t.depth + 3) {
-    if (!closest(tip, t) || -t.depth > kLeave_mm) plastic_mm_ = 0, state_.cut = false;
+  const bool near = closest(tip, t);
+  state_.plane_mm = near ? t.point : tip;
+  state_.normal = near ? t.normal : Vec3(Vec3::Zero());
+  if (k <= 0 || !near || t.depth <= 0 || t.depth > kDeepest_mm || t.apart > t.depth + 3) {
+    if (!near || -t.depth > kLeave_mm) plastic_mm_ = 0, state_.cut = false;
     state_.touching = false;
     state_.depth_mm = 0;
     state_.proxy_mm = tip;
@@ -81,7 +84,8 @@ Vec3 ForceLoop::contact_force(const Vec3& tip, double k) {
 
 const ForceState& ForceLoop::tick(int64_t now_ns, const Vec3& tip, bool valid) {
   ++counts_.ticks;
-  const double dt = last_ns_ < 0 ? 1e-3 : double(now_ns - last_ns_) * 1e-9;
+  const double dt = last_ns_ < 0 ? 1e-3 : std::max(1e-6, double(now_ns - last_ns_) * 1e-9);
+  const double share = dt < 0.9e-3 ? dt * 1e3 : 1;  // of a whole tick
   const bool stalled = last_ns_ >= 0 && dt > limit_.stall_s;
   last_ns_ = now_ns;
   if (model_fresh_) model_came_ns_ = now_ns, model_fresh_ = false;
@@ -90,7 +94,8 @@ const ForceState& ForceLoop::tick(int64_t now_ns, const Vec3& tip, bool valid) {
 
   if (!valid || !had_model_) {
     state_.force_N.setZero();
-    state_.touching = false;
+    state_.normal.setZero();
+    state_.touching = state_.hooked = false;
     ramp_ = 0;
     held_over_.setZero();
     return state_;
@@ -121,10 +126,12 @@ const ForceState& ForceLoop::tick(int64_t now_ns, const Vec3& tip, bool valid) {
   now_home_ = from_home_ + w * (model_.hook_home_mm - from_home_);
   // In series with the coupling.
   const auto coupled = [&](double k) { return k > 0 ? k * limit_.stiffness_N_mm / (k + limit_.stiffness_N_mm) : 0; };
+  state_.stiffness_N_mm = coupled(model_.hooked ? now_hook_N_mm_ : now_N_mm_);
+  state_.hooked = model_.hooked;
   Vec3 f = contact_force(tip, coupled(now_N_mm_));
   if (model_.hooked) f += coupled(now_hook_N_mm_) * (now_home_ - tip);
   // The encoder's steps of 0.01 mm are 10 mm/s from tick to tick: the coupling's damper acts on a smoothed speed.
-  slow_v_ += 0.2 * (v - slow_v_);
+  slow_v_ += 0.2 * share * (v - slow_v_);
   if (state_.touching || model_.hooked) f -= limit_.damping_N_s_mm * slow_v_;
 
   const bool stale =
@@ -152,8 +159,8 @@ const ForceState& ForceLoop::tick(int64_t now_ns, const Vec3& tip, bool valid) {
   state_.energy_mJ = std::min(state_.energy_mJ, kMost_mJ);
 
   if (const double size = f.norm(); size > limit_.force_N) f *= limit_.force_N / size, ++counts_.saturated;
-  if (const double step = (f - before).norm(); step > limit_.slew_N)
-    f = before + (f - before) * (limit_.slew_N / step), ++counts_.slewed;
+  if (const double step = (f - before).norm(); step > share * limit_.slew_N)
+    f = before + (f - before) * (share * limit_.slew_N / step), ++counts_.slewed;
   counts_.largest_step_N = std::max(counts_.largest_step_N, (f - before).norm());
   state_.force_N = f;
   return state_;

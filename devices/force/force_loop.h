@@ -56,7 +56,7 @@ struct ForceModel {
 /// What a device can do.
 struct ForceLimits {
   double force_N = 3.3;            // peak
-  double slew_N = 0.2;             // per tick
+  double slew_N = 0.2;             // per tick of 1 ms; less in a shorter one
   double stiffness_N_mm = 2.0;     // that it holds stably in a hand
   double damping_N_s_mm = 0.0015;  // of the coupling; on the speed below some 40 Hz
   double ramp_s = 0.5;
@@ -70,6 +70,9 @@ struct ForceLimits {
 struct ForceState {
   Vec3 force_N = Vec3::Zero();
   Vec3 proxy_mm = Vec3::Zero();
+  Vec3 plane_mm = Vec3::Zero(), normal = Vec3::Zero();  // of the surface nearest to the tip; no normal: none is near
+  double stiffness_N_mm = 0;                            // of what is touched, in series with the coupling
+  bool hooked = false;
   bool touching = false, cut = false;
   double depth_mm = 0;
   double energy_mJ = 0;  // that the hand has put in, net; never far below zero
