@@ -156,8 +156,11 @@ Entry log_entry() {
 /// A message as it comes from the network: refused with a reason, or a sample that is encoded and read again.
 template <class M, class S>
 Entry sample_entry(const std::string& name, const S& sample) {
-  Entry e{
-      "packet_" + name, {"devices/message_codec.cpp", "devices/message_codec.h", "devices/lcm_net_source.cpp"}, {}, {}};
+  Entry e{"packet_" + name,
+          {"devices/message_codec.cpp", "devices/message_codec.h", "devices/lcm_net_source.cpp",
+           "devices/force/lcm_force_port.cpp"},
+          {},
+          {}};
   e.sound = {encoded(to_message(sample), true), encoded(to_message(sample), false)};
   e.run = [](std::string_view packet, bool& taken) -> std::string {
     taken = false;
