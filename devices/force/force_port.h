@@ -1,6 +1,6 @@
 #pragma once
 // A force device whose readings are waited for: one in another process (lcm_force_port.h), or behind a maker's library
-// that takes its time (driver/driver_port.h). A thread of its own waits (waited_source.h); the device thread never does.
+// that takes its time. A thread of its own waits (waited_source.h); the device thread never does.
 #include <string>
 
 #include "devices/force/force_device.h"

@@ -45,11 +45,12 @@ struct WaitedForceSource::Impl {
   };
 
   Impl(std::unique_ptr<ForcePort> p, const SourceTime& t, const ForceSourceSettings& settings,
-       std::shared_ptr<StiffnessLine> line)
+       std::shared_ptr<StiffnessLine> line, bool prompt)
       : port(std::move(p)),
         time(t),
         maker(settings, std::move(line)),
         device_id(settings.device_id),
+        wants_real_time(prompt),
         models(8),
         felts(64),
         queue(1024) {}
@@ -57,13 +58,14 @@ struct WaitedForceSource::Impl {
   // ---- the thread that waits ----
 
   void run() {
-    real_time.store(be_prompt(), std::memory_order_relaxed);
+    real_time.store(wants_real_time && be_prompt(), std::memory_order_relaxed);
     ForceLoop loop(port->limits());
     PortReading reading;
-    bool cuts = false;
+    bool cuts = false, got = false;
     int64_t came_ns = -1, seq = 0, answered_ns = 0;
     while (!stop.load(std::memory_order_acquire)) {
-      const bool got = port->read(1, reading);
+      // The next one of a device at 1 kHz is answered when it comes, and not just missed by an answer before it.
+      got = port->read(got ? 2 : 1, reading);
       wait_until(answered_ns + kShortestNs);
       answered_ns = monotonic_ns();
       const int64_t now_ns = time.wall_ns(answered_ns);
@@ -103,6 +105,7 @@ struct WaitedForceSource::Impl {
   const SourceTime time;
   ForceModelMaker maker;  // of the device thread
   const int32_t device_id;
+  const bool wants_real_time;
   SpscRing<ForceModel> models;
   SpscRing<FeltThere> felts;
   FeltThere there;  // of the device thread
@@ -115,8 +118,9 @@ struct WaitedForceSource::Impl {
 };
 
 WaitedForceSource::WaitedForceSource(std::unique_ptr<ForcePort> port, const SourceTime& time,
-                                     const ForceSourceSettings& settings, std::shared_ptr<StiffnessLine> line)
-    : impl_(std::make_unique<Impl>(std::move(port), time, settings, std::move(line))) {
+                                     const ForceSourceSettings& settings, std::shared_ptr<StiffnessLine> line,
+                                     bool real_time)
+    : impl_(std::make_unique<Impl>(std::move(port), time, settings, std::move(line), real_time)) {
   impl_->thread = std::thread([this] { impl_->run(); });
 }
 

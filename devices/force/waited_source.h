@@ -7,9 +7,9 @@
 //                         │              ▼
 //                       device thread (1 kHz): model of what is near, stylus samples for everybody else
 //
-// Between readings that come more slowly than 1 kHz the newest one is answered once a millisecond. After 20 ms without
+// Where none has come for 2 ms the newest one is answered again each millisecond. After 20 ms without
 // one the force is none, until one comes again.
-// The thread asks for real-time priority, one below the device thread's, and says what it got.
+// The thread asks for real-time priority, one below the device thread's, unless told not to, and says what it got.
 #include <memory>
 
 #include "devices/force/force_port.h"
@@ -25,7 +25,7 @@ class WaitedForceSource final : public Source, public ToolFollower {
   static constexpr int64_t kSilentNs = 20'000'000;
 
   WaitedForceSource(std::unique_ptr<ForcePort> port, const SourceTime& time, const ForceSourceSettings& settings = {},
-                    std::shared_ptr<StiffnessLine> line = nullptr);
+                    std::shared_ptr<StiffnessLine> line = nullptr, bool real_time = true);
   ~WaitedForceSource() override;
   void look(const Snapshot& snapshot) override;
   void hold(const ToolState& state) override;

@@ -187,6 +187,24 @@ Entry sample_entry(const std::string& name, const S& sample) {
   return e;
 }
 
+/// A message that only leaves (LIMBERG_FORCE), as whoever listens reads it.
+Entry force_entry() {
+  limberg_msg::force_t force{};
+  force.pose_seq = 3, force.state = 2, force.force_mN[2] = 280, force.normal[2] = 1;
+  Entry e{"packet_force", {"devices/message_codec.h"}, {}, {}};
+  e.sound = {encoded(force, true), encoded(force, false)};
+  e.run = [](std::string_view packet, bool& taken) -> std::string {
+    limberg_msg::force_t m, again;
+    taken = !decode_message(reinterpret_cast<const uint8_t*>(packet.data()), packet.size(), m);
+    if (!taken) return "";
+    const std::string second = encoded(m, true);
+    return decode_message(reinterpret_cast<const uint8_t*>(second.data()), second.size(), again)
+               ? "a packet was taken that is refused when it is written again"
+               : "";
+  };
+  return e;
+}
+
 /// A message that only recordings hold, read as the second event of one (a session: as its first).
 template <class M>
 Entry record_entry(const std::string& name, std::string_view channel, const M& message) {
@@ -354,6 +372,7 @@ std::vector<Entry> stream_entries() {
   all.push_back(sample_entry<limberg_msg::tracker_t>("tracker", TrackerSample{}));
   all.push_back(sample_entry<limberg_msg::raw_t>("raw", RawSample{}));
   all.push_back(sample_entry<limberg_msg::command_t>("command", command_sample(Incise{{{0, 0}, {10, 0}}, 4, 90})));
+  all.push_back(force_entry());
   all.push_back(record_entry("session", kSessionChannel, a_session()));
   limberg_msg::chunk_t chunk{};
   chunk.kind = 1, chunk.total = 1, chunk.bytes = chunk.n = 5;
