@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "devices/desktop_source.h"
+#include "devices/driver/driver_port.h"
 #include "devices/fastrak/port.h"
 #include "devices/fastrak/source.h"
 #include "devices/force/force_source.h"
@@ -22,7 +23,7 @@ namespace limberg {
 
 namespace {
 
-constexpr int32_t kFirstFastrak = 200;
+constexpr int32_t kFirstFastrak = 200, kFirstDriver = 310;
 
 /// The emulator and whoever reads it, as one.
 class EmulatedFastrak final : public Source {
@@ -104,6 +105,18 @@ LiveSource force_lcm(const DeviceSpec& spec, int) {
   };
 }
 
+LiveSource driver(const DeviceSpec& spec, int number) {
+  const size_t comma = spec.rest.find(',');
+  const DriverFunctions functions = load_driver(spec.rest.substr(0, comma));
+  const std::string options = comma == std::string::npos ? "" : spec.rest.substr(comma + 1);
+  ForceSourceSettings s;
+  s.device_id = kFirstDriver + number;
+  return [functions, options, s](const LiveStart& start) {
+    return std::make_unique<WaitedForceSource>(std::make_unique<DriverPort>(functions, options, s.device_id),
+                                               start.time, s, start.stiffness);
+  };
+}
+
 // Roles of a FASTRAK: a letter a station, f forefinger, t thumb, F and T those of a second glove, s stylus.
 constexpr DeviceKind kKinds[] = {
     {.name = "emulated",
@@ -153,7 +166,12 @@ constexpr DeviceKind kKinds[] = {
      .meaning = "a force device of another program: poses come over LCM, forces go back",
      .feels = true,
      .over_lcm = true,
-     .live = force_lcm}};
+     .live = force_lcm},
+    {.name = "driver",
+     .form = "driver:PATH[,OPTIONS]",
+     .meaning = "a device by a driver of yours, a shared library (devices/driver/limberg_driver.h)",
+     .feels = true,
+     .live = driver}};
 
 }  // namespace
 

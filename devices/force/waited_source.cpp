@@ -18,6 +18,7 @@ namespace limberg {
 
 namespace {
 
+constexpr int64_t kSampleNs = 800'000;    // to everybody else goes one a millisecond, and what was pressed
 constexpr int64_t kShortestNs = 200'000;  // between two answers: whoever floods the port does not take the processor
 
 /// True: real-time priority was given.
@@ -62,7 +63,8 @@ struct WaitedForceSource::Impl {
     ForceLoop loop(port->limits());
     PortReading reading;
     bool cuts = false, got = false;
-    int64_t came_ns = -1, seq = 0, answered_ns = 0;
+    int64_t came_ns = -1, seq = 0, answered_ns = 0, passed_ns = 0;
+    uint32_t last_buttons = 0;
     while (!stop.load(std::memory_order_acquire)) {
       // The next one of a device at 1 kHz is answered when it comes, and not just missed by an answer before it.
       got = port->read(got ? 2 : 1, reading);
@@ -80,7 +82,9 @@ struct WaitedForceSource::Impl {
       tell(loop);
       if (!valid) continue;
       felts.push({reading.pose.tip_mm, felt});
-      if (!got) continue;
+      const bool another = reading.pose.buttons != last_buttons;
+      if (!got || (!another && now_ns - passed_ns < kSampleNs)) continue;
+      passed_ns = now_ns, last_buttons = reading.pose.buttons;
       StylusSample s;
       s.device_id = device_id;
       s.seq = seq++;

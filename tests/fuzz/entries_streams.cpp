@@ -5,6 +5,7 @@
 #include "app/assembly/bundle.h"
 #include "devices/big_endian.h"
 #include "devices/desktop_source.h"
+#include "devices/drivers/haply_line.h"
 #include "devices/fastrak/link.h"
 #include "devices/fastrak/protocol.h"
 #include "devices/heard_streams.h"
@@ -328,6 +329,29 @@ Entry conversation_entry() {
   return e;
 }
 
+/// The line of a Haply board: whatever it says, the effector is within the linkage's reach, and its forces are finite.
+Entry haply_entry() {
+  const float angle[2] = {140, 40};
+  std::string answer(1, char(haply::kDevice));
+  answer.append(reinterpret_cast<const char*>(angle), sizeof angle);
+  Entry e{"haply", {"devices/drivers/haply_2diy.cpp"}, {answer + answer}, {}};
+  e.run = [](std::string_view bytes, bool& taken) -> std::string {
+    haply::Answers answers;
+    taken = false;
+    for (size_t i = 0; i < bytes.size(); ++i)
+      if (answers.take(uint8_t(bytes[i]), int64_t(i) * 100'000)) {
+        taken = true;
+        const haply::Linkage& l = answers.linkage;
+        if (!(std::hypot(l.x_mm, l.y_mm) <= l.a_mm + l.b_mm + 1e-6)) return "out of reach";
+        for (const auto& row : l.jacobian)
+          for (const double j : row)
+            if (!(std::abs(j) < 1e5)) return "a force without bounds";
+      }
+    return "";
+  };
+  return e;
+}
+
 /// A pointing device of a desk: whatever it says, the tip stays in its box.
 Entry desktop_entry(DesktopSettings::Kind kind) {
   const bool mouse = kind == DesktopSettings::mouse;
@@ -393,6 +417,7 @@ std::vector<Entry> stream_entries() {
   all.push_back(line_entry(true));
   all.push_back(line_entry(false));
   all.push_back(conversation_entry());
+  all.push_back(haply_entry());
   all.push_back(desktop_entry(DesktopSettings::space_mouse));
   all.push_back(desktop_entry(DesktopSettings::mouse));
   return all;
