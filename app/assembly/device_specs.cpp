@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <vector>
@@ -42,6 +43,16 @@ class EmulatedFastrak final : public Source {
   fastrak::EmulatedPort port_;
   std::unique_ptr<fastrak::FastrakSource> source_;
 };
+
+/// "force=2.5": its number, within these; false: it is none of these words.
+bool said(const std::string& word, const std::string& key, double least, double most, double& value) {
+  if (!word.starts_with(key)) return false;
+  const char* const end = word.data() + word.size();
+  double v = 0;
+  const auto r = std::from_chars(word.data() + key.size(), end, v);
+  if (r.ec != std::errc() || r.ptr != end || !(v >= least && v <= most)) return false;
+  return value = v, true;
+}
 
 LiveSource lcm(const DeviceSpec& spec, int) {
   LcmNetSettings net;
@@ -97,10 +108,27 @@ LiveSource force_simulated(const DeviceSpec& spec, int) {
   };
 }
 
+/// "URL[,force=N][,stiffness=N/mm][,delay=MS]", each part of which may be missing.
 LiveSource force_lcm(const DeviceSpec& spec, int) {
-  const std::string url = spec.rest.empty() ? LcmNetSettings{}.url : spec.rest;
-  return [url](const LiveStart& start) {
-    return std::make_unique<WaitedForceSource>(std::make_unique<LcmForcePort>(url, start.time), start.time,
+  std::string url = LcmNetSettings{}.url;
+  ForceLimits limits = limits_over_lcm();
+  for (size_t at = 0; at < spec.rest.size();) {
+    const size_t comma = std::min(spec.rest.find(',', at), spec.rest.size());
+    const std::string word = spec.rest.substr(at, comma - at);
+    double delay_ms = 0;
+    if (at == 0 && word.find("://") != std::string::npos)
+      url = word;
+    else if (said(word, "delay=", 0, 30, delay_ms))
+      limits.delay_ticks = int(std::lround(delay_ms));
+    else if (!said(word, "force=", 0.01, 100, limits.force_N) &&
+             !said(word, "stiffness=", 0.01, 1000, limits.stiffness_N_mm))
+      throw InputError("", 0,
+                       "--device force-lcm: \"" + word +
+                           "\"; expected URL, force=N (to 100), stiffness=N/mm (to 1000) or delay=MS (to 30)");
+    at = comma + 1;
+  }
+  return [url, limits](const LiveStart& start) {
+    return std::make_unique<WaitedForceSource>(std::make_unique<LcmForcePort>(url, start.time, limits), start.time,
                                                ForceSourceSettings{}, start.stiffness);
   };
 }
@@ -162,7 +190,7 @@ constexpr DeviceKind kKinds[] = {
      .feels = true,
      .live = force_simulated},
     {.name = "force-lcm",
-     .form = "force-lcm[:URL]",
+     .form = "force-lcm[:URL][,force=N][,stiffness=N/mm][,delay=MS]",
      .meaning = "a force device of another program: poses come over LCM, forces go back",
      .feels = true,
      .over_lcm = true,

@@ -3,6 +3,7 @@
 #include <dlfcn.h>
 #include <time.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -98,14 +99,18 @@ DriverPort::DriverPort(const DriverFunctions& driver, const std::string& options
   limits_.force_N = said_or(d.peak_force_N, usual.force_N, 100);
   limits_.stiffness_N_mm = said_or(d.stiffness_N_mm, usual.stiffness_N_mm, 1000);
   limits_.damping_N_s_mm = said_or(d.damping_N_s_mm, usual.damping_N_s_mm, 1);
-  if (std::isnan(limits_.force_N + limits_.stiffness_N_mm + limits_.damping_N_s_mm) ||
+  const double own = said_or(d.own_damping_N_s_mm, 0.0005, 1), delay_ms = said_or(d.delay_ms, 0, 30);
+  limits_.delay_ticks = delay_ms > 0 ? int(std::lround(delay_ms)) : 0;
+  limits_.stiffness_N_mm =
+      std::min(limits_.stiffness_N_mm, stable_stiffness_N_mm(own, limits_.damping_N_s_mm, delay_ms * 1e-3));
+  if (std::isnan(limits_.force_N + limits_.stiffness_N_mm + limits_.damping_N_s_mm + own + delay_ms) ||
       (gives_force_ && !driver_.write_force)) {
     driver_.close(device_);
     refuse_driver(driver_.path,
                   gives_force_ && !driver_.write_force
                       ? "it says that its device gives forces, and has no limberg_driver_write_force; expected it"
                       : "what it says of its device cannot be; expected a peak force up to 100 N, a stiffness up to "
-                        "1000 N/mm, a damping up to 1 N s/mm");
+                        "1000 N/mm, dampings up to 1 N s/mm and a delay up to 30 ms");
   }
 }
 

@@ -10,8 +10,8 @@
  * before close. Places are millimetres and forces newtons in the axes of the scene: x to the right, y away from the one
  * who sits before the device, z up. A device that is turned round says so in options of its own.
  *
- * Limberg bounds what it asks for by what describe says (peak force, stiffness), and changes a force by 0.2 N a
- * millisecond at most. A driver still has to let go by itself when no force comes for 100 ms: Limberg may be killed.
+ * Limberg bounds what it asks for by what describe says: the peak force, and the stiffness, which is no more than what
+ * the device's damping and delay let it hold. A force changes by 0.2 N a millisecond at most. A driver still has to let go by itself when no force comes for 100 ms: Limberg may be killed.
  *
  * Versions: LIMBERG_DRIVER_ABI grows when a struct or a function changes its meaning; a driver of another number is
  * refused, and told so. Structs begin with their size, which Limberg sets: a later one may be longer, and a driver
@@ -37,6 +37,8 @@ struct limberg_driver_description {
   double peak_force_N;       /* 0: 3.3 */
   double stiffness_N_mm;     /* that it holds stably in a hand; 0: 2 */
   double damping_N_s_mm;     /* of the coupling; 0: 0.0015 */
+  double own_damping_N_s_mm; /* of the device itself, with no force asked for; 0: 0.0005 */
+  double delay_ms;           /* from write_force to the read_pose that has seen what it did, beyond 1 ms; 0: none */
   double workspace_mm[3][2]; /* least and greatest, by axis; zeros: not said */
 };
 

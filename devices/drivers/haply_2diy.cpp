@@ -138,7 +138,7 @@ void limberg_driver_describe(void*, struct limberg_driver_description* d) {
   d->gives_force = 1;
   std::snprintf(d->name, sizeof d->name, "Haply 2DIY");
   d->peak_force_N = 2;  // with its 0.3 N m at bars of 50 mm it gives more nowhere for long
-  d->stiffness_N_mm = 0.7, d->damping_N_s_mm = 0.001;
+  d->stiffness_N_mm = 0.7, d->damping_N_s_mm = 0.001, d->delay_ms = 1;
   const double x[2] = {-60, 60}, z[2] = {-30, 50};
   for (int i = 0; i < 2; ++i) d->workspace_mm[0][i] = x[i], d->workspace_mm[2][i] = z[i];
 }

@@ -82,6 +82,12 @@ Vec3 ForceLoop::contact_force(const Vec3& tip, double k) {
   return normal * t.normal + share * k * (aside - aside.dot(t.normal) * t.normal);
 }
 
+/// Of so many ticks before the last one.
+const Vec3& ForceLoop::past_force(int ticks) const {
+  const auto size = int64_t(past_N_.size());
+  return past_N_[size_t((counts_.ticks - std::clamp<int64_t>(ticks, 0, size - 1) + size) % size)];
+}
+
 const ForceState& ForceLoop::tick(int64_t now_ns, const Vec3& tip, bool valid) {
   ++counts_.ticks;
   const double dt = last_ns_ < 0 ? 1e-3 : std::max(1e-6, double(now_ns - last_ns_) * 1e-9);
@@ -89,6 +95,7 @@ const ForceState& ForceLoop::tick(int64_t now_ns, const Vec3& tip, bool valid) {
   const bool stalled = last_ns_ >= 0 && dt > limit_.stall_s;
   last_ns_ = now_ns;
   if (model_fresh_) model_came_ns_ = now_ns, model_fresh_ = false;
+  past_N_[size_t(counts_.ticks) % past_N_.size()] = state_.force_N;
   const Vec3 before = state_.force_N, travelled = tip - last_tip_;
   last_tip_ = tip;
 
@@ -101,7 +108,7 @@ const ForceState& ForceLoop::tick(int64_t now_ns, const Vec3& tip, bool valid) {
     return state_;
   }
   // N mm = mJ: what the hand did against the force that it felt.
-  state_.energy_mJ -= before.dot(travelled);
+  state_.energy_mJ -= past_force(limit_.delay_ticks).dot(travelled);
   const Vec3 v = travelled / dt;
   if (stalled) {
     ++counts_.stalls;

@@ -15,7 +15,8 @@
 //   coupling   the device sees the tissue through a spring of the largest stiffness that it holds stably, and a damper
 //              (Colgate 1995; Adams and Hannaford 1999)
 //   cutting    the force rises to what punctures the skin, breaks, and drops to what drawing the blade takes
-//   passivity  the energy that went into the hand is counted; when more than came out of it would go, a damper takes it
+//   passivity  the energy that went into the hand is counted, each way by the force that was on the hand then, which is
+//              an older one where the line is slow; when more than came out of it would go, a damper takes it
 //              (Hannaford and Ryu 2002)
 //   limits     of force and of change per tick; a ramp at the start; none when the model is old (decays) or the device
 //              is not read
@@ -63,9 +64,17 @@ struct ForceLimits {
   double stale_periods = 2, decay_s = 0.05;
   double stall_s = 0.004;             // a longer tick is a stall
   double catch_up_s = 0.1;            // a force that was held over a stall fades so; slow beside a hand's swing, 20 ms
+  int delay_ticks = 0;                // from a force to the reading of what it did, beyond the next tick; at most 31
   double spare_mJ = 0.1;              // energy that may be missing before the damper acts
   double most_damping_N_s_mm = 0.02;  // of the passivity damper: below 2 m / T for the lightest device, 50 g
 };
+
+/// The stiffest wall that a device of that damping holds by itself, nobody's hand on it: K < (b + B) / (T / 2 + delay),
+/// B the damping of the wall, T the time of a tick (Gil, Sanchez, Hulin, Preusche and Hirzinger, J. Dyn. Sys. Meas.
+/// Control 131 (2009) 011005; without delay Colgate and Schenkel, J. Robotic Systems 14 (1997) 37). N/mm.
+inline double stable_stiffness_N_mm(double device_N_s_mm, double wall_N_s_mm, double delay_s, double tick_s = 1e-3) {
+  return (device_N_s_mm + wall_N_s_mm) / (tick_s / 2 + delay_s);
+}
 
 struct ForceState {
   Vec3 force_N = Vec3::Zero();
@@ -85,7 +94,7 @@ struct ForceCounts {
 
 class ForceLoop {
  public:
-  explicit ForceLoop(const ForceLimits& limits = {}) : limit_(limits) {}
+  explicit ForceLoop(const ForceLimits& limits = {}) : limit_(limits) { past_N_.fill(Vec3::Zero()); }
   /// A newer model, if seq says so.
   void take(const ForceModel& model);
   /// One tick: the tip is here. `valid`: the device was read.
@@ -101,6 +110,7 @@ class ForceLoop {
   };
   bool closest(const Vec3& p, Touch& t) const;
   Vec3 contact_force(const Vec3& tip, double stiffness);
+  const Vec3& past_force(int ticks) const;
 
   ForceLimits limit_;
   ForceModel model_;
@@ -113,6 +123,7 @@ class ForceLoop {
   bool model_fresh_ = false;
   double ramp_ = 0, fade_ = 1;
   Vec3 held_over_ = Vec3::Zero();  // of the force that a stall left on the hand: what differs from the one that is due
+  std::array<Vec3, 32> past_N_;    // forces of the last ticks, by tick
   double plastic_mm_ = 0;          // how deep the blade has cut
   Vec3 last_tip_ = Vec3::Zero(), slow_v_ = Vec3::Zero();
   double now_N_mm_ = 0, now_hook_N_mm_ = 0;

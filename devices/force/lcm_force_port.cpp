@@ -26,6 +26,13 @@ int32_t state_of(const ForceState& felt) { return felt.hooked ? 4 : felt.cut ? 3
 
 }  // namespace
 
+ForceLimits limits_over_lcm() {
+  ForceLimits l;
+  l.delay_ticks = 1;
+  l.stiffness_N_mm = stable_stiffness_N_mm(0.0005, l.damping_N_s_mm, l.delay_ticks * 1e-3);
+  return l;
+}
+
 LcmForcePort::LcmForcePort(const std::string& url, const SourceTime& time, const ForceLimits& limits)
     : link_(staying_here(url)), out_(open_lcm(url)), time_(time), limits_(limits), channel_(kForceChannel) {}
 

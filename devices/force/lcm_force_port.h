@@ -17,10 +17,14 @@ namespace limberg {
 
 class LcmLibrary;
 
+/// Of a device of which nothing is said: its next tick gives the force, so that it is a millisecond late, and what it
+/// holds by itself then, with a damping of 0.0005 N s/mm of its own.
+ForceLimits limits_over_lcm();
+
 class LcmForcePort final : public ForcePort {
  public:
   /// InputError: an address that leaves this machine, or that cannot be opened.
-  LcmForcePort(const std::string& url, const SourceTime& time, const ForceLimits& limits = {});
+  LcmForcePort(const std::string& url, const SourceTime& time, const ForceLimits& limits = limits_over_lcm());
   ~LcmForcePort() override;
   bool read(int wait_ms, PortReading& reading) override;
   void answer(const PortReading& reading, bool valid, const ForceState& felt, int64_t now_ns) override;

@@ -69,6 +69,9 @@ TEST_F(ForceClients, WhatCannotBeIsRefused) {
   expect_refused("run " + scene_ + " --headless --seconds 1 --device 'force-lcm:udpm://239.255.76.67:7667?ttl=3'",
                  {"other machines", "ttl=0"});
   expect_refused("run " + scene_ + " --headless --seconds 1 --slow-motion --device force-lcm", {"--slow-motion"});
+  expect_refused("run " + scene_ + " --headless --device force-lcm:force=1000", {"force=1000", "to 100"});
+  expect_refused("run " + scene_ + " --headless --device force-lcm:udpm://239.255.76.67:7667?ttl=0,delay=x",
+                 {"delay=x"});
   expect_refused("run " + scene_ + " --headless --device driver:/no/such.so", {"no such file", "limberg_driver.h"});
   expect_refused("devices --device driver:" + scene_, {"cannot be loaded"});
   expect_refused("devices --device driver:" + limberg::binary_dir() + "/drivers/haply-2diy.so,/dev/null",

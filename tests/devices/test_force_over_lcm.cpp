@@ -83,7 +83,8 @@ TEST(ForceOverLcm, EachPoseIsAnsweredByWhatIsFeltThere) {
     other.device_id = 8, other.seq = 1'000'000 + seq, other.tip_mm.z() = -20;
     if (seq % 10 == 0) b->out.publish(other);
   }
-  const double k = 2 * 60 / (1 - 0.45 * 0.45) * 1e-3, coupled = k * 2 / (k + 2);  // N/mm: half space, in series
+  const double k = 2 * 60 / (1 - 0.45 * 0.45) * 1e-3, held = 0.002 / 0.0015,
+               coupled = k * held / (k + held);  // N/mm: half space, in series
   int64_t last = -1, seq = -1, touched = 0, answered = 0;
   for (const auto& m : b->forces) {
     EXPECT_GT(m.seq, last), last = m.seq;

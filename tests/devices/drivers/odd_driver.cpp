@@ -30,6 +30,7 @@ void limberg_driver_describe(void* device, struct limberg_driver_description* d)
   const char* o = static_cast<Device*>(device)->options;
   std::memset(d->name, 'x', sizeof d->name);  // without its end
   d->gives_force = std::strcmp(o, "forceful") == 0;
+  if (std::strcmp(o, "late") == 0) d->delay_ms = 5, d->stiffness_N_mm = 2, d->damping_N_s_mm = 0.001;
   if (std::strcmp(o, "strong") == 0) d->peak_force_N = 1e6;
 }
 
