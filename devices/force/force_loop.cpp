@@ -56,6 +56,9 @@ Vec3 ForceLoop::contact_force(const Vec3& tip, double k) {
   }
   if (model_.puncture_N <= 0) plastic_mm_ = 0, state_.cut = false;  // what is held or met now does not cut
   state_.depth_mm = t.depth;
+  // A tool in tissue is held back by what it parts, a blunt one by its friction.
+  const double held_back = state_.cut || model_.drawn ? model_.draw_N + model_.draw_N_mm * t.depth : 0;
+  const double along = limit_.stiffness_N_mm / 2;
   if (!state_.touching) {
     // Entered since the last tick: the proxy is where the tip went through.
     state_.touching = true;
@@ -65,7 +68,7 @@ Vec3 ForceLoop::contact_force(const Vec3& tip, double k) {
     Touch on{};
     closest(state_.proxy_mm, on);
     const Vec3 aside = on.point - t.point, slip = aside - aside.dot(t.normal) * t.normal;
-    const double most = model_.friction * t.depth, length = slip.norm();
+    const double most = held_back > 0 ? held_back / along : model_.friction * t.depth, length = slip.norm();
     state_.proxy_mm = length > most ? Vec3(t.point + slip * (most / length)) : on.point;
   }
   // The blade: elastic up to the puncture, afterwards the skin gives way and keeps what was cut.
@@ -79,7 +82,20 @@ Vec3 ForceLoop::contact_force(const Vec3& tip, double k) {
   }
   const Vec3 aside = state_.proxy_mm - t.point;
   const double share = t.depth > 0 ? normal / (k * t.depth) : 0;  // of the elastic force that is left
-  return normal * t.normal + share * k * (aside - aside.dot(t.normal) * t.normal);
+  return normal * t.normal + (held_back > 0 ? along : share * k) * (aside - aside.dot(t.normal) * t.normal);
+}
+
+// Euler's capstan: bent at its hole from the normal to where the hand is. It slips out under what that takes, and does
+// not go back.
+Vec3 ForceLoop::thread_force(const Vec3& tip) {
+  const Vec3 away = tip - model_.thread_from_mm;
+  const double r = away.norm(), k = limit_.stiffness_N_mm / 2;
+  if (!threaded_) threaded_ = true, thread_out_mm_ = r;
+  if (!(r > 1e-9)) return Vec3::Zero();
+  const double bend = elementary::acos(std::clamp(away.dot(model_.thread_normal) / r, -1.0, 1.0));
+  const double most = model_.thread_N * elementary::exp(model_.thread_friction * bend);
+  thread_out_mm_ = std::max(thread_out_mm_, r - most / k);
+  return -k * std::max(0.0, r - thread_out_mm_) / r * away;
 }
 
 /// Of so many ticks before the last one.
@@ -136,6 +152,10 @@ const ForceState& ForceLoop::tick(int64_t now_ns, const Vec3& tip, bool valid) {
   state_.stiffness_N_mm = coupled(model_.hooked ? now_hook_N_mm_ : now_N_mm_);
   state_.hooked = model_.hooked;
   Vec3 f = contact_force(tip, coupled(now_N_mm_));
+  if (model_.thread_N > 0)
+    f += thread_force(tip);
+  else
+    threaded_ = false;
   if (model_.hooked) f += coupled(now_hook_N_mm_) * (now_home_ - tip);
   // The encoder's steps of 0.01 mm are 10 mm/s from tick to tick: the coupling's damper acts on a smoothed speed.
   slow_v_ += 0.2 * share * (v - slow_v_);
@@ -151,7 +171,7 @@ const ForceState& ForceLoop::tick(int64_t now_ns, const Vec3& tip, bool valid) {
     held_over_ = before - f;
   else
     held_over_ *= elementary::exp(-step_s / limit_.catch_up_s);
-  if (!state_.touching && !model_.hooked) held_over_.setZero();
+  if (!state_.touching && !model_.hooked && !threaded_) held_over_.setZero();
   f += fade_ * held_over_;
 
   // More would go into the hand than came out of it: a damper as strong as needed.

@@ -14,7 +14,9 @@
 //              stiffening tissue does not push harder on the way out than on the way in
 //   coupling   the device sees the tissue through a spring of the largest stiffness that it holds stably, and a damper
 //              (Colgate 1995; Adams and Hannaford 1999)
-//   cutting    the force rises to what punctures the skin, breaks, and drops to what drawing the blade takes
+//   cutting    the force rises to what punctures the skin, breaks, and drops to what going deeper takes; along the
+//              surface the tool is held back by what parting the tissue takes (tool_feel.h)
+//   thread     is drawn out of its hole against friction, and slack when the hand comes back
 //   passivity  the energy that went into the hand is counted, each way by the force that was on the hand then, which is
 //              an older one where the line is slow; when more than came out of it would go, a damper takes it
 //              (Hannaford and Ryu 2002)
@@ -49,6 +51,12 @@ struct ForceModel {
   double friction = 0.2;
   double puncture_N = 0;  // 0: the tool does not cut
   double cutting_N = 0;
+  bool presses = false;              // what has cut in is engaged
+  double draw_N = 0, draw_N_mm = 0;  // holds a tool that has cut in back along the surface; more by depth (tool_feel.h)
+  bool drawn = false;                // whether it has cut in or not
+  double thread_N = 0;               // the drag of a thread; 0: there is none
+  double thread_friction = 0;
+  Vec3 thread_from_mm = Vec3::Zero(), thread_normal = Vec3::UnitZ();  // the hole out of which it is drawn
   bool hooked = false;
   Vec3 hook_home_mm = Vec3::Zero();  // where the hooked tissue would pull the hook to, so that there was no force
   double hook_stiffness_N_mm = 0;    // secant
@@ -110,6 +118,7 @@ class ForceLoop {
   };
   bool closest(const Vec3& p, Touch& t) const;
   Vec3 contact_force(const Vec3& tip, double stiffness);
+  Vec3 thread_force(const Vec3& tip);
   const Vec3& past_force(int ticks) const;
 
   ForceLimits limit_;
@@ -124,7 +133,9 @@ class ForceLoop {
   double ramp_ = 0, fade_ = 1;
   Vec3 held_over_ = Vec3::Zero();  // of the force that a stall left on the hand: what differs from the one that is due
   std::array<Vec3, 32> past_N_;    // forces of the last ticks, by tick
-  double plastic_mm_ = 0;          // how deep the blade has cut
+  bool threaded_ = false;
+  double thread_out_mm_ = 0;  // of the thread, from its hole
+  double plastic_mm_ = 0;     // how deep the blade has cut
   Vec3 last_tip_ = Vec3::Zero(), slow_v_ = Vec3::Zero();
   double now_N_mm_ = 0, now_hook_N_mm_ = 0;
   Vec3 now_home_ = Vec3::Zero();

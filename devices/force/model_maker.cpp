@@ -9,7 +9,8 @@ ForceModelMaker::ForceModelMaker(const ForceSourceSettings& settings, std::share
     : set_(settings), line_(std::move(line)) {}
 
 void ForceModelMaker::hold(const ToolState& state) {
-  tool_ = Tool(state.tool), held_hook_ = state.held_hook,
+  if (tool_ != Tool(state.tool)) tool_ = Tool(state.tool), feel_ = feel_of(tool_, set_.puncture_N, set_.cutting_N);
+  pressed_ = state.pressed != 0, held_hook_ = state.held_hook,
   shift_ = Vec3(state.shift_mm[0], state.shift_mm[1], state.shift_mm[2]);
 }
 
@@ -79,7 +80,17 @@ const ForceModel* ForceModelMaker::make(int64_t now_ns, const Vec3& tip_mm, cons
       m.facets = sheet.index.facets_around(s, touch, set_.patch_mm, m.facet);
       m.stiffness_N_mm = bone ? half_space(set_.bone_kPa, set_.bone_poisson) : contact_stiffness(s, touch);
     }
-    if (cuts() && !bone) m.puncture_N = set_.puncture_N, m.cutting_N = set_.cutting_N;
+    if (!bone) {
+      m.puncture_N = feel_.puncture_N, m.cutting_N = feel_.cutting_N, m.presses = feel_.presses;
+      m.draw_N = feel_.draw_N, m.draw_N_mm = feel_.draw_N_mm, m.drawn = feel_.drawn_when_pressed && pressed_;
+    }
+    const bool thread = feel_.thread_N > 0 && pressed_;
+    if (thread && !threaded_ && touch.triangle >= 0) thread_from_ = touch.x_mm, thread_normal_ = touch.normal;
+    threaded_ = thread && (threaded_ || touch.triangle >= 0);
+    if (threaded_) {
+      m.thread_N = feel_.thread_N, m.thread_friction = feel_.thread_friction;
+      m.thread_from_mm = thread_from_, m.thread_normal = thread_normal_;
+    }
   }
   const HookState* held = nullptr;  // by this hand; the solver may not have set it yet
   for (const HookState& h : s.hooks)

@@ -7,13 +7,15 @@
 // - nu^2) for a flat tip of radius a (Boussinesq 1885). Bone is that half space always: the skull across its thickness,
 // 2.4 GPa (McElhaney et al. 1970), thousands of times what any device holds, so that the coupling is what is felt.
 //
-// What is felt is what the hand holds: a scalpel punctures; a hook that this hand holds pulls.
+// What is felt is what the hand holds (tool_feel.h): a scalpel punctures and is drawn, a needle pierces and draws its
+// thread from where it went in until the button is let go, fat holds a dissector back; a hook that this hand holds pulls.
 //
 // On the device thread, with the rest of the sources; nothing allocates.
 #include <memory>
 
 #include "devices/force/force_loop.h"
 #include "devices/force/stiffness_line.h"
+#include "devices/force/tool_feel.h"
 #include "devices/surface_index.h"
 #include "devices/tool_event.h"
 
@@ -27,7 +29,7 @@ struct ForceSourceSettings {
   double deepest_mm = 25;                 // a tip that is in the tissue is followed so far
   double bone_kPa = 2.4e6, bone_poisson = 0.22;
   double answer_reach_mm = 4;                 // an answer for a place within this of the tip is still good
-  double puncture_N = 0.8, cutting_N = 0.35;  // of the tools that cut
+  double puncture_N = 0.8, cutting_N = 0.35;  // of a scalpel
 };
 
 class ForceModelMaker {
@@ -41,7 +43,8 @@ class ForceModelMaker {
 
   const ForceModel& model() const { return model_; }
   int64_t answers() const { return answers_; }  // models whose stiffness the solver gave
-  bool cuts() const { return tool_ == Tool::scalpel || tool_ == Tool::excise; }
+  /// The tool breaks through skin, and is then engaged with or without a button.
+  bool cuts() const { return feel_.presses; }
 
  private:
   /// The surfaces that a tip can meet, each found and followed by itself.
@@ -66,6 +69,9 @@ class ForceModelMaker {
   int64_t now_ns_ = -1, last_model_ns_ = -1;
   Vec3 tip_ = Vec3::Zero();
   Tool tool_ = Tool::none;
+  ToolFeel feel_;
+  bool pressed_ = false, threaded_ = false;
+  Vec3 thread_from_ = Vec3::Zero(), thread_normal_ = Vec3::UnitZ();
   int32_t held_hook_ = 0, hook_ = 0;
   Vec3 hook_home_ = Vec3::Zero();  // where its tissue was when the hook was set
   Vec3 shift_ = Vec3::Zero();      // ToolState::shift_mm

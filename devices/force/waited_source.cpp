@@ -72,7 +72,7 @@ struct WaitedForceSource::Impl {
       answered_ns = monotonic_ns();
       const int64_t now_ns = time.wall_ns(answered_ns);
       while (const ForceModel* model = models.front()) {
-        loop.take(*model), cuts = model->puncture_N > 0;
+        loop.take(*model), cuts = model->presses;
         models.drop();
       }
       if (got) came_ns = now_ns;
