@@ -119,7 +119,7 @@ LiveSource force_lcm(const DeviceSpec& spec, int) {
     if (at == 0 && word.find("://") != std::string::npos)
       url = word;
     else if (said(word, "delay=", 0, 30, delay_ms))
-      limits.delay_ticks = int(std::lround(delay_ms));
+      limits.delay_s = delay_ms * 1e-3;
     else if (!said(word, "force=", 0.01, 100, limits.force_N) &&
              !said(word, "stiffness=", 0.01, 1000, limits.stiffness_N_mm))
       throw InputError("", 0,

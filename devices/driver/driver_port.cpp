@@ -100,7 +100,7 @@ DriverPort::DriverPort(const DriverFunctions& driver, const std::string& options
   limits_.stiffness_N_mm = said_or(d.stiffness_N_mm, usual.stiffness_N_mm, 1000);
   limits_.damping_N_s_mm = said_or(d.damping_N_s_mm, usual.damping_N_s_mm, 1);
   const double own = said_or(d.own_damping_N_s_mm, 0.0005, 1), delay_ms = said_or(d.delay_ms, 0, 30);
-  limits_.delay_ticks = delay_ms > 0 ? int(std::lround(delay_ms)) : 0;
+  limits_.delay_s = delay_ms * 1e-3;
   limits_.stiffness_N_mm =
       std::min(limits_.stiffness_N_mm, stable_stiffness_N_mm(own, limits_.damping_N_s_mm, delay_ms * 1e-3));
   if (std::isnan(limits_.force_N + limits_.stiffness_N_mm + limits_.damping_N_s_mm + own + delay_ms) ||

@@ -98,10 +98,12 @@ Vec3 ForceLoop::thread_force(const Vec3& tip) {
   return -k * std::max(0.0, r - thread_out_mm_) / r * away;
 }
 
-/// Of so many ticks before the last one.
-const Vec3& ForceLoop::past_force(int ticks) const {
-  const auto size = int64_t(past_N_.size());
-  return past_N_[size_t((counts_.ticks - std::clamp<int64_t>(ticks, 0, size - 1) + size) % size)];
+/// The force that was on the hand when it began to move as the newest reading says: what was asked for by then.
+const Vec3& ForceLoop::force_behind(int64_t t_ns) const {
+  const auto newest = uint64_t(counts_.ticks);
+  for (uint64_t k = 0; k < past_.size(); ++k)
+    if (const Past& p = past_[(newest - k) % past_.size()]; p.t_ns <= t_ns) return p.force_N;
+  return past_[(newest + 1) % past_.size()].force_N;
 }
 
 const ForceState& ForceLoop::tick(int64_t now_ns, const Vec3& tip, bool valid) {
@@ -109,9 +111,10 @@ const ForceState& ForceLoop::tick(int64_t now_ns, const Vec3& tip, bool valid) {
   const double dt = last_ns_ < 0 ? 1e-3 : std::max(1e-6, double(now_ns - last_ns_) * 1e-9);
   const double share = dt < 0.9e-3 ? dt * 1e3 : 1;  // of a whole tick
   const bool stalled = last_ns_ >= 0 && dt > limit_.stall_s;
+  past_[uint64_t(counts_.ticks) % past_.size()] = {last_ns_, state_.force_N};
+  const int64_t moved_from_ns = last_ns_ - int64_t(limit_.delay_s * 1e9);
   last_ns_ = now_ns;
   if (model_fresh_) model_came_ns_ = now_ns, model_fresh_ = false;
-  past_N_[size_t(counts_.ticks) % past_N_.size()] = state_.force_N;
   const Vec3 before = state_.force_N, travelled = tip - last_tip_;
   last_tip_ = tip;
 
@@ -124,7 +127,7 @@ const ForceState& ForceLoop::tick(int64_t now_ns, const Vec3& tip, bool valid) {
     return state_;
   }
   // N mm = mJ: what the hand did against the force that it felt.
-  state_.energy_mJ -= past_force(limit_.delay_ticks).dot(travelled);
+  state_.energy_mJ -= force_behind(moved_from_ns).dot(travelled);
   const Vec3 v = travelled / dt;
   if (stalled) {
     ++counts_.stalls;

@@ -72,7 +72,7 @@ struct ForceLimits {
   double stale_periods = 2, decay_s = 0.05;
   double stall_s = 0.004;             // a longer tick is a stall
   double catch_up_s = 0.1;            // a force that was held over a stall fades so; slow beside a hand's swing, 20 ms
-  int delay_ticks = 0;                // from a force to the reading of what it did, beyond the next tick; at most 31
+  double delay_s = 0;                 // from a force to the reading of what it did, beyond the next tick; to 30 ms
   double spare_mJ = 0.1;              // energy that may be missing before the damper acts
   double most_damping_N_s_mm = 0.02;  // of the passivity damper: below 2 m / T for the lightest device, 50 g
 };
@@ -102,7 +102,7 @@ struct ForceCounts {
 
 class ForceLoop {
  public:
-  explicit ForceLoop(const ForceLimits& limits = {}) : limit_(limits) { past_N_.fill(Vec3::Zero()); }
+  explicit ForceLoop(const ForceLimits& limits = {}) : limit_(limits) {}
   /// A newer model, if seq says so.
   void take(const ForceModel& model);
   /// One tick: the tip is here. `valid`: the device was read.
@@ -119,7 +119,7 @@ class ForceLoop {
   bool closest(const Vec3& p, Touch& t) const;
   Vec3 contact_force(const Vec3& tip, double stiffness);
   Vec3 thread_force(const Vec3& tip);
-  const Vec3& past_force(int ticks) const;
+  const Vec3& force_behind(int64_t t_ns) const;
 
   ForceLimits limit_;
   ForceModel model_;
@@ -132,7 +132,11 @@ class ForceLoop {
   bool model_fresh_ = false;
   double ramp_ = 0, fade_ = 1;
   Vec3 held_over_ = Vec3::Zero();  // of the force that a stall left on the hand: what differs from the one that is due
-  std::array<Vec3, 32> past_N_;    // forces of the last ticks, by tick
+  struct Past {
+    int64_t t_ns = -1;  // when it was asked for
+    Vec3 force_N = Vec3::Zero();
+  };
+  std::array<Past, 128> past_;  // a ring, by tick
   bool threaded_ = false;
   double thread_out_mm_ = 0;  // of the thread, from its hole
   double plastic_mm_ = 0;     // how deep the blade has cut

@@ -28,8 +28,8 @@ int32_t state_of(const ForceState& felt) { return felt.hooked ? 4 : felt.cut ? 3
 
 ForceLimits limits_over_lcm() {
   ForceLimits l;
-  l.delay_ticks = 1;
-  l.stiffness_N_mm = stable_stiffness_N_mm(0.0005, l.damping_N_s_mm, l.delay_ticks * 1e-3);
+  l.delay_s = 0.001;
+  l.stiffness_N_mm = stable_stiffness_N_mm(0.0005, l.damping_N_s_mm, l.delay_s);
   return l;
 }
 

@@ -8,7 +8,8 @@
 // 2.4 GPa (McElhaney et al. 1970), thousands of times what any device holds, so that the coupling is what is felt.
 //
 // What is felt is what the hand holds (tool_feel.h): a scalpel punctures and is drawn, a needle pierces and draws its
-// thread from where it went in until the button is let go, fat holds a dissector back; a hook that this hand holds pulls.
+// thread from where it went in until the button is let go, fat holds a dissector back; a hook that this hand holds
+// pulls.
 //
 // On the device thread, with the rest of the sources; nothing allocates.
 #include <memory>

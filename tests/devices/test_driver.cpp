@@ -83,7 +83,7 @@ TEST(Driver, PosesThatAreNoneAreCounted) {
   EXPECT_NE(good.says().find("gives no force"), std::string::npos);
   // A late device holds less: (0.0005 + 0.001) N s/mm / (0.5 + 5) ms.
   const ForceLimits late = DriverPort(odd, "late", 4).limits();
-  EXPECT_EQ(late.delay_ticks, 5);
+  EXPECT_NEAR(late.delay_s, 0.005, 1e-12);
   EXPECT_NEAR(late.stiffness_N_mm, 0.0015 / 0.0055, 1e-12);
   DriverPort leaves(odd, "leaves", 4);
   for (int i = 0; i < 3; ++i) EXPECT_TRUE(leaves.read(1, r));

@@ -68,8 +68,8 @@ WallTrial bad_line(Dice& dice) {
 }
 
 // What the loop gives the hand does not exceed what it got from it, but for a spare that is stated: 0.1 mJ and what a
-// bounce gives before the line has told of it. With the stiffness that the line lets a device hold, and with three times
-// as much, where the loop without its observer shakes the hand without end.
+// bounce gives before the line has told of it. With the stiffness that the line lets a device hold, and with three
+// times as much, where the loop without its observer shakes the hand without end.
 TEST(ZWidth, EnergyIsNotMadeUnderDelayRoundingAndLoss) {
   Dice dice{11};
   struct Least {

@@ -43,7 +43,7 @@ WallFigures wall_trial(const WallTrial& trial) {
   limits.damping_N_s_mm = trial.damping_N_s_mm;
   limits.force_N = 1e6, limits.slew_N = 1e6, limits.ramp_s = 1e-6;
   if (!trial.passivity) limits.spare_mJ = 1e12;
-  if (trial.told_delay) limits.delay_ticks = trial.faults.reading_late + trial.faults.force_late;
+  if (trial.told_delay) limits.delay_s = (trial.faults.reading_late + trial.faults.force_late) * 1e-3;
   ForceLoop loop(limits);
   ForceModel wall;
   wall.facets = 2;
