@@ -14,6 +14,7 @@
 #include "limberg_msg/command_t.hpp"
 #include "limberg_msg/control_t.hpp"
 #include "limberg_msg/end_t.hpp"
+#include "limberg_msg/force_t.hpp"
 #include "limberg_msg/raw_t.hpp"
 #include "limberg_msg/schedule_t.hpp"
 #include "limberg_msg/session_t.hpp"
@@ -29,7 +30,7 @@ inline constexpr std::string_view kStylusChannel = "LIMBERG_STYLUS", kControlCha
                                   kCheckpointChannel = "LIMBERG_CHECKPOINT", kEndChannel = "LIMBERG_END",
                                   kTrackerChannel = "LIMBERG_TRACKER", kRawChannel = "LIMBERG_RAW",
                                   kScheduleChannel = "LIMBERG_SCHEDULE", kCommandChannel = "LIMBERG_COMMAND",
-                                  kStateChannel = "LIMBERG_STATE";
+                                  kStateChannel = "LIMBERG_STATE", kForceChannel = "LIMBERG_FORCE";
 
 /// CRC-32 of IEEE 802.3 (reflected polynomial 0xEDB88320).
 uint32_t checksum(const uint8_t* data, size_t n);

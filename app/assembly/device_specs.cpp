@@ -3,14 +3,18 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <vector>
 
 #include "devices/desktop_source.h"
+#include "devices/driver/driver_port.h"
 #include "devices/fastrak/port.h"
 #include "devices/fastrak/source.h"
 #include "devices/force/force_source.h"
+#include "devices/force/lcm_force_port.h"
+#include "devices/force/waited_source.h"
 #include "devices/lcm_net_source.h"
 #include "devices/lcm_publisher.h"
 #include "sim/base/elementary.h"
@@ -20,7 +24,7 @@ namespace limberg {
 
 namespace {
 
-constexpr int32_t kFirstFastrak = 200;
+constexpr int32_t kFirstFastrak = 200, kFirstDriver = 310;
 
 /// The emulator and whoever reads it, as one.
 class EmulatedFastrak final : public Source {
@@ -39,6 +43,16 @@ class EmulatedFastrak final : public Source {
   fastrak::EmulatedPort port_;
   std::unique_ptr<fastrak::FastrakSource> source_;
 };
+
+/// "force=2.5": its number, within these; false: it is none of these words.
+bool said(const std::string& word, const std::string& key, double least, double most, double& value) {
+  if (!word.starts_with(key)) return false;
+  const char* const end = word.data() + word.size();
+  double v = 0;
+  const auto r = std::from_chars(word.data() + key.size(), end, v);
+  if (r.ec != std::errc() || r.ptr != end || !(v >= least && v <= most)) return false;
+  return value = v, true;
+}
 
 LiveSource lcm(const DeviceSpec& spec, int) {
   LcmNetSettings net;
@@ -94,6 +108,43 @@ LiveSource force_simulated(const DeviceSpec& spec, int) {
   };
 }
 
+/// "URL[,force=N][,stiffness=N/mm][,delay=MS]", each part of which may be missing.
+LiveSource force_lcm(const DeviceSpec& spec, int) {
+  std::string url = LcmNetSettings{}.url;
+  ForceLimits limits = limits_over_lcm();
+  for (size_t at = 0; at < spec.rest.size();) {
+    const size_t comma = std::min(spec.rest.find(',', at), spec.rest.size());
+    const std::string word = spec.rest.substr(at, comma - at);
+    double delay_ms = 0;
+    if (at == 0 && word.find("://") != std::string::npos)
+      url = word;
+    else if (said(word, "delay=", 0, 30, delay_ms))
+      limits.delay_s = delay_ms * 1e-3;
+    else if (!said(word, "force=", 0.01, 100, limits.force_N) &&
+             !said(word, "stiffness=", 0.01, 1000, limits.stiffness_N_mm))
+      throw InputError("", 0,
+                       "--device force-lcm: \"" + word +
+                           "\"; expected URL, force=N (to 100), stiffness=N/mm (to 1000) or delay=MS (to 30)");
+    at = comma + 1;
+  }
+  return [url, limits](const LiveStart& start) {
+    return std::make_unique<WaitedForceSource>(std::make_unique<LcmForcePort>(url, start.time, limits), start.time,
+                                               ForceSourceSettings{}, start.stiffness);
+  };
+}
+
+LiveSource driver(const DeviceSpec& spec, int number) {
+  const size_t comma = spec.rest.find(',');
+  const DriverFunctions functions = load_driver(spec.rest.substr(0, comma));
+  const std::string options = comma == std::string::npos ? "" : spec.rest.substr(comma + 1);
+  ForceSourceSettings s;
+  s.device_id = kFirstDriver + number;
+  return [functions, options, s](const LiveStart& start) {
+    return std::make_unique<WaitedForceSource>(std::make_unique<DriverPort>(functions, options, s.device_id),
+                                               start.time, s, start.stiffness);
+  };
+}
+
 // Roles of a FASTRAK: a letter a station, f forefinger, t thumb, F and T those of a second glove, s stylus.
 constexpr DeviceKind kKinds[] = {
     {.name = "emulated",
@@ -137,7 +188,18 @@ constexpr DeviceKind kKinds[] = {
      .form = "force-simulated",
      .meaning = "a force device made of equations, in a hand that presses and strokes",
      .feels = true,
-     .live = force_simulated}};
+     .live = force_simulated},
+    {.name = "force-lcm",
+     .form = "force-lcm[:URL][,force=N][,stiffness=N/mm][,delay=MS]",
+     .meaning = "a force device of another program: poses come over LCM, forces go back",
+     .feels = true,
+     .over_lcm = true,
+     .live = force_lcm},
+    {.name = "driver",
+     .form = "driver:PATH[,OPTIONS]",
+     .meaning = "a device by a driver of yours, a shared library (devices/driver/limberg_driver.h)",
+     .feels = true,
+     .live = driver}};
 
 }  // namespace
 

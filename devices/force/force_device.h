@@ -33,7 +33,8 @@ struct SimulatedHand {
   double stiffness_N_mm = 0.3;    // of the hand that wants to be at its target
   double damping_N_s_mm = 0.005;  // a relaxed grip; 0.0134 would be critical
   double encoder_mm = 0.01;
-  double force_N = 3.3;  // what its motors give
+  double force_N = 3.3;          // what its motors give
+  Vec3 weight_N = Vec3::Zero();  // a steady force beside
   std::function<Vec3(double t_s)> target = [](double) { return Vec3(0, 0, 20); };
   std::function<bool(double t_s)> pressed = [](double) { return false; };
 };

@@ -2,125 +2,31 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 namespace limberg {
 
 ForceSource::ForceSource(std::unique_ptr<ForceDevice> device, const ForceSourceSettings& settings,
                          std::shared_ptr<StiffnessLine> line)
-    : device_(std::move(device)), set_(settings), line_(std::move(line)), loop_(device_->limits()) {}
+    : device_(std::move(device)),
+      device_id_(settings.device_id),
+      maker_(settings, std::move(line)),
+      loop_(device_->limits()) {}
 
-void ForceSource::look(const Snapshot& s) { seen_ = &s; }
-
-void ForceSource::hold(const ToolState& state) {
-  tool_ = Tool(state.tool), held_hook_ = state.held_hook,
-  shift_ = Vec3(state.shift_mm[0], state.shift_mm[1], state.shift_mm[2]);
-}
-
-double ForceSource::half_space(double young_kPa, double poisson) const {
-  return 2 * set_.tip_radius_mm * young_kPa / (1 - poisson * poisson) * 1e-3;  // kPa mm = mN / mm
-}
-
-SkinTouch ForceSource::closest(Sheet& sheet, const Snapshot& s) {
-  if (sheet.index.another(s)) sheet.near = -1;
-  const SkinTouch touch = sheet.index.closest(s, tip_, sheet.near >= 0 && s.step % 8 != 0 ? sheet.near : -1);
-  sheet.near = touch.triangle;
-  return touch;
-}
-
-// Over skin the skin holds a blunt tip up, closed wounds included; beside it (an open wound, a bed, the block's side)
-// the whole surface of the flesh counts. A blade that is in the skin stays with it. Bone only where the tip is in no
-// flesh: what lies under flesh is felt through it.
-ForceSource::Sheet& ForceSource::met(const Snapshot& s, SkinTouch& touch) {
-  const auto depth = [&](const SkinTouch& t) { return t.triangle < 0 ? -1e30 : -(tip_ - t.x_mm).dot(t.normal); };
-  Sheet* sheet = &skin_;
-  touch = closest(skin_, s);
-  double in = depth(touch);
-  const double aside = touch.triangle < 0 ? 1e30 : (tip_ - touch.x_mm + in * touch.normal).norm();
-  if (aside > set_.tip_radius_mm && !(cuts() && loop_.state().cut))
-    touch = closest(*(sheet = &flesh_), s), in = depth(touch);
-  if (in > 0 || s.topology->organ.empty()) return *sheet;
-  const SkinTouch hard = closest(bone_, s);
-  if (hard.triangle < 0 || (touch.triangle >= 0 && touch.distance_mm <= hard.distance_mm)) return *sheet;
-  touch = hard;
-  return bone_;
-}
-
-double ForceSource::contact_stiffness(const Snapshot& s, const SkinTouch& touch) {
-  const double alone = half_space(set_.young_kPa, set_.poisson);
-  if (!line_) return alone;
-  // How deep the tip is below the surface as it would be without it, or lies ready to be.
-  line_->ask({s.topology_version, touch.triangle, touch.bary, touch.normal, set_.tip_radius_mm,
-              loop_.state().touching ? loop_.state().depth_mm : 0});
-  const PressAnswer& told = line_->newest();
-  const SurfaceView& view = s.topology->view;
-  if (told.stiffness_N_mm <= 0 || told.topology_version != s.topology_version || told.triangle < 0 ||
-      size_t(told.triangle) >= view.tri.size())
-    return alone;
-  Vec3 there = Vec3::Zero();
-  for (int32_t v : view.tri[size_t(told.triangle)]) there += s.x_mm[size_t(v)].cast<double>() / 3;
-  if ((there - touch.x_mm).norm() > set_.answer_reach_mm) return alone;
-  ++answers_;
-  return told.stiffness_N_mm;
-}
-
-void ForceSource::make_model(const Snapshot& s) {
-  const bool surface = s.topology && s.x_mm.size() == s.topology->view.X_mm.size();
-  ForceModel m;
-  m.seq = model_.seq + 1;
-  m.t_ns = now_ns_;
-  m.period_ns = last_model_ns_ < 0 ? 16'000'000 : std::clamp<int64_t>(now_ns_ - last_model_ns_, 2'000'000, 100'000'000);
-  last_model_ns_ = now_ns_;
-  if (surface) {
-    SkinTouch touch;
-    const Sheet& sheet = met(s, touch);
-    const bool bone = sheet.index.ground() == Ground::bone;
-    if (touch.triangle >= 0 &&
-        touch.distance_mm < (touch.normal.dot(tip_ - touch.x_mm) < 0 ? set_.deepest_mm : set_.patch_mm)) {
-      m.facets = sheet.index.facets_around(s, touch, set_.patch_mm, m.facet);
-      m.stiffness_N_mm = bone ? half_space(set_.bone_kPa, set_.bone_poisson) : contact_stiffness(s, touch);
-    }
-    if (cuts() && !bone) m.puncture_N = set_.puncture_N, m.cutting_N = set_.cutting_N;
-  }
-  const HookState* held = nullptr;  // by this hand; the solver may not have set it yet
-  for (const HookState& h : s.hooks)
-    if (held_hook_ != 0 && h.id == held_hook_) held = &h;
-  if (held) {
-    if (held->id != hook_) hook_ = held->id, hook_home_ = held->at_mm.cast<double>();
-    const double pulled = (held->handle_mm.cast<double>() - hook_home_).norm(),
-                 force = held->force_N.cast<double>().norm();
-    m.hooked = true;
-    m.hook_home_mm = hook_home_ - shift_;  // behind the clutch the hand is elsewhere, and feels the same
-    // Too little pull says nothing about stiffness: what was known stays.
-    m.hook_stiffness_N_mm = pulled > 0.5 ? force / pulled : model_.hook_stiffness_N_mm;
-    m.facets = 0;  // the tip is in the tissue that it holds
-  } else {
-    hook_ = 0;
-  }
-  model_ = m;
-}
+void ForceSource::look(const Snapshot& s) { maker_.look(s); }
+void ForceSource::hold(const ToolState& state) { maker_.hold(state); }
 
 void ForceSource::poll(int64_t now_ns, SampleSink& sink) {
-  now_ns_ = now_ns;
   const ForceReading r = device_->read(now_ns);
-  tip_ = r.tip_mm;
-  if (seen_ && seen_->step != step_) {
-    step_ = seen_->step;
-    make_model(*seen_);
-    loop_.take(model_);
-  }
+  if (const ForceModel* model = maker_.make(now_ns, r.tip_mm, loop_.state())) loop_.take(*model);
   device_->push(loop_.tick(now_ns, r.tip_mm, r.valid).force_N);
-  seen_ = nullptr;
   if (!r.valid) return;
   StylusSample s;
-  s.device_id = set_.device_id;
+  s.device_id = device_id_;
   s.seq = seq_++;
   s.t_ns = now_ns;
   const ForceState& felt = loop_.state();
   s.tip_mm = felt.touching ? felt.proxy_mm : r.tip_mm;
   s.quat = r.quat;
-  s.buttons = r.buttons | (cuts() && felt.cut ? 1u : 0u);
+  s.buttons = r.buttons | (maker_.cuts() && felt.cut ? 1u : 0u);
   sink.on_sample(s);
 }
 
@@ -129,7 +35,7 @@ std::string ForceSource::health() const {
   return fmt::format(
       "{}, force {:.2f} N, {} ticks, stiffness {:.3f} N/mm ({} models from the solver), {} saturated, {} slewed, {} "
       "with an old model, {} stalls, least energy {:.2f} mJ",
-      device_->name(), loop_.state().force_N.norm(), c.ticks, model_.stiffness_N_mm, answers_, c.saturated, c.slewed,
+      device_->name(), loop_.state().force_N.norm(), c.ticks, model().stiffness_N_mm, answers(), c.saturated, c.slewed,
       c.stale, c.stalls, c.least_energy_mJ);
 }
 

@@ -1,13 +1,7 @@
 #pragma once
 // A force device as a source: its tip is a stylus reading a thousand times a second, and what it touches pushes back.
 //
-// The model of what is near (force_loop.h) is made from the newest snapshot, at the solver's rate and only then: facets
-// of the skin around the tip; for a held hook the stiffness that the solver's own force and displacement give (a
-// secant); for contact the secant that the solver finds for this tip at this place (sim/patient/press.h), asked for as
-// long as the tip is near.
-// Until it has answered, or where there is no line to it, that of a half space of the layer that is touched: 2 a E / (1
-// - nu^2) for a flat tip of radius a (Boussinesq 1885). Bone is that half space always: the skull across its thickness,
-// 2.4 GPa (McElhaney et al. 1970), thousands of times what any device holds, so that the coupling is what is felt.
+// The model of what is near is made at the rate of the solver (model_maker.h).
 //
 // What is felt is what the hand holds (tool_follower.h): a scalpel punctures, and from then on until it is drawn out
 // the tool is engaged, with or without a button; a hook that this hand holds pulls. In contact the tool is where the
@@ -17,23 +11,11 @@
 #include <memory>
 
 #include "devices/force/force_device.h"
-#include "devices/force/stiffness_line.h"
+#include "devices/force/model_maker.h"
 #include "devices/force/tool_follower.h"
 #include "devices/source.h"
-#include "devices/surface_index.h"
 
 namespace limberg {
-
-struct ForceSourceSettings {
-  int32_t device_id = 300;
-  double tip_radius_mm = 1.0;
-  double young_kPa = 60, poisson = 0.45;  // of the layer that is touched
-  double patch_mm = 8;                    // facets within this of the tip, or of where it went in
-  double deepest_mm = 25;                 // a tip that is in the tissue is followed so far
-  double bone_kPa = 2.4e6, bone_poisson = 0.22;
-  double answer_reach_mm = 4;                 // an answer for a place within this of the tip is still good
-  double puncture_N = 0.8, cutting_N = 0.35;  // of the tools that cut
-};
 
 class ForceSource final : public Source, public ToolFollower {
  public:
@@ -46,39 +28,16 @@ class ForceSource final : public Source, public ToolFollower {
   SourceCounts counts() const override { return {seq_, 0, 0}; }
   std::string health() const override;
 
-  const ForceModel& model() const { return model_; }
+  const ForceModel& model() const { return maker_.model(); }
   const ForceLoop& loop() const { return loop_; }
-  int64_t answers() const { return answers_; }  // models whose stiffness the solver gave
+  int64_t answers() const { return maker_.answers(); }  // models whose stiffness the solver gave
 
  private:
-  /// The surfaces that a tip can meet, each found and followed by itself.
-  struct Sheet {
-    SurfaceIndex index;
-    int32_t near = -1;  // the triangle touched last
-  };
-  void make_model(const Snapshot& s);
-  double contact_stiffness(const Snapshot& s, const SkinTouch& touch);
-  double half_space(double young_kPa, double poisson) const;
-  SkinTouch closest(Sheet& sheet, const Snapshot& s);
-  /// What the tip is in, or else nearest to.
-  Sheet& met(const Snapshot& s, SkinTouch& touch);
-  bool cuts() const { return tool_ == Tool::scalpel || tool_ == Tool::excise; }
-
   std::unique_ptr<ForceDevice> device_;
-  ForceSourceSettings set_;
-  std::shared_ptr<StiffnessLine> line_;
+  const int32_t device_id_;
+  ForceModelMaker maker_;
   ForceLoop loop_;
-  ForceModel model_;
-  Sheet skin_{SurfaceIndex(Ground::skin)}, flesh_{SurfaceIndex(Ground::flesh)}, bone_{SurfaceIndex(Ground::bone)};
-  const Snapshot* seen_ = nullptr;
-  uint64_t step_ = ~uint64_t(0);
-  int64_t answers_ = 0;
-  int64_t now_ns_ = -1, last_model_ns_ = -1, seq_ = 0;
-  Vec3 tip_ = Vec3::Zero();
-  Tool tool_ = Tool::none;
-  int32_t held_hook_ = 0, hook_ = 0;
-  Vec3 hook_home_ = Vec3::Zero();  // where its tissue was when the hook was set
-  Vec3 shift_ = Vec3::Zero();      // ToolState::shift_mm
+  int64_t seq_ = 0;
 };
 
 }  // namespace limberg

@@ -19,7 +19,7 @@ ForceReading SimulatedForceDevice::read(int64_t now_ns) {
   for (; t_ns_ + kStepNs <= now_ns; t_ns_ += kStepNs) {
     const double t = double(t_ns_) * 1e-9;
     const Vec3 goal = hand_.target(t), goal_v = (hand_.target(t + 1e-4) - goal) / 1e-4;
-    const Vec3 f = force_ + hand_.stiffness_N_mm * (goal - x_) + hand_.damping_N_s_mm * (goal_v - v_);
+    const Vec3 f = force_ + hand_.weight_N + hand_.stiffness_N_mm * (goal - x_) + hand_.damping_N_s_mm * (goal_v - v_);
     v_ += f * (kMmPerM / hand_.mass_kg * kStep);
     x_ += v_ * kStep;
   }

@@ -11,9 +11,11 @@
 #include "tests/bench/cutting.h"
 #include "tests/bench/devices/fuzz.h"
 #include "tests/bench/devices/suite.h"
+#include "tests/bench/devices/z_width_suite.h"
 #include "tests/bench/faults.h"
 #include "tests/bench/features.h"
 #include "tests/bench/felt_patient.h"
+#include "tests/bench/force_latency.h"
 #include "tests/bench/frames.h"
 #include "tests/bench/fuzz.h"
 #include "tests/bench/fuzz/readers.h"
@@ -75,7 +77,13 @@ SuiteOutcome run_devices(const Options& o) {
   if (wanted(o, "felt")) add_felt_patient(b, open_scene("rhomboid"), o.quick, o.progress);
   if (wanted(o, "latency"))
     add_session_latency(b, open_scene("rhomboid"), known_stream("tremor", 5).samples, o.quick, o.progress);
-  return only(std::move(b));
+  SuiteOutcome out = only(std::move(b));
+  if (wanted(o, "hand to force")) add_force_latency(out, open_scene("rhomboid"), o.quick, o.progress);
+  if (wanted(o, "z-width")) add_z_width(out, o.quick, o.progress);
+  for (size_t i = 0; i < out.charts.size() && !o.out_dir.empty(); ++i)
+    write_whole_file(o.out_dir + "/devices-" + std::to_string(i + 1) + ".svg",
+                     in_plain_colours(svg(out.charts[i].second)));
+  return out;
 }
 
 SuiteOutcome run_speed(const Options& o) {
@@ -203,7 +211,7 @@ constexpr Suite kSuites[] = {
     {"cutting", "what a cut costs, beside CGAL", "arrangement, history, crossing, whole cut, fronts, metric", false,
      run_cutting},
     {"devices", "the 1 kHz loop, buffers, tracking, calibration, grabs and force",
-     "wake, buffers, tracking, calibration, grabs, force, felt, latency", false, run_devices},
+     "wake, buffers, tracking, calibration, grabs, force, felt, latency, hand to force, z-width", false, run_devices},
     {"faults", "what full disks, lost memory, kills and stopped clocks do to a session and its recording", "", false,
      run_faults},
     {"features", "memory and time of each part of a scene, off and on", "a part of a scene", true,

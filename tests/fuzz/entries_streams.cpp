@@ -5,6 +5,7 @@
 #include "app/assembly/bundle.h"
 #include "devices/big_endian.h"
 #include "devices/desktop_source.h"
+#include "devices/drivers/haply_line.h"
 #include "devices/fastrak/link.h"
 #include "devices/fastrak/protocol.h"
 #include "devices/heard_streams.h"
@@ -156,8 +157,11 @@ Entry log_entry() {
 /// A message as it comes from the network: refused with a reason, or a sample that is encoded and read again.
 template <class M, class S>
 Entry sample_entry(const std::string& name, const S& sample) {
-  Entry e{
-      "packet_" + name, {"devices/message_codec.cpp", "devices/message_codec.h", "devices/lcm_net_source.cpp"}, {}, {}};
+  Entry e{"packet_" + name,
+          {"devices/message_codec.cpp", "devices/message_codec.h", "devices/lcm_net_source.cpp",
+           "devices/force/lcm_force_port.cpp"},
+          {},
+          {}};
   e.sound = {encoded(to_message(sample), true), encoded(to_message(sample), false)};
   e.run = [](std::string_view packet, bool& taken) -> std::string {
     taken = false;
@@ -180,6 +184,24 @@ Entry sample_entry(const std::string& name, const S& sample) {
         to_sample(second, back, true))
       return "a packet was taken that is refused when it is written again";
     return "";
+  };
+  return e;
+}
+
+/// A message that only leaves (LIMBERG_FORCE), as whoever listens reads it.
+Entry force_entry() {
+  limberg_msg::force_t force{};
+  force.pose_seq = 3, force.state = 2, force.force_mN[2] = 280, force.normal[2] = 1;
+  Entry e{"packet_force", {"devices/message_codec.h"}, {}, {}};
+  e.sound = {encoded(force, true), encoded(force, false)};
+  e.run = [](std::string_view packet, bool& taken) -> std::string {
+    limberg_msg::force_t m, again;
+    taken = !decode_message(reinterpret_cast<const uint8_t*>(packet.data()), packet.size(), m);
+    if (!taken) return "";
+    const std::string second = encoded(m, true);
+    return decode_message(reinterpret_cast<const uint8_t*>(second.data()), second.size(), again)
+               ? "a packet was taken that is refused when it is written again"
+               : "";
   };
   return e;
 }
@@ -307,6 +329,29 @@ Entry conversation_entry() {
   return e;
 }
 
+/// The line of a Haply board: whatever it says, the effector is within the linkage's reach, and its forces are finite.
+Entry haply_entry() {
+  const float angle[2] = {140, 40};
+  std::string answer(1, char(haply::kDevice));
+  answer.append(reinterpret_cast<const char*>(angle), sizeof angle);
+  Entry e{"haply", {"devices/drivers/haply_2diy.cpp"}, {answer + answer}, {}};
+  e.run = [](std::string_view bytes, bool& taken) -> std::string {
+    haply::Answers answers;
+    taken = false;
+    for (size_t i = 0; i < bytes.size(); ++i)
+      if (answers.take(uint8_t(bytes[i]), int64_t(i) * 100'000)) {
+        taken = true;
+        const haply::Linkage& l = answers.linkage;
+        if (!(std::hypot(l.x_mm, l.y_mm) <= l.a_mm + l.b_mm + 1e-6)) return "out of reach";
+        for (const auto& row : l.jacobian)
+          for (const double j : row)
+            if (!(std::abs(j) < 1e5)) return "a force without bounds";
+      }
+    return "";
+  };
+  return e;
+}
+
 /// A pointing device of a desk: whatever it says, the tip stays in its box.
 Entry desktop_entry(DesktopSettings::Kind kind) {
   const bool mouse = kind == DesktopSettings::mouse;
@@ -351,6 +396,7 @@ std::vector<Entry> stream_entries() {
   all.push_back(sample_entry<limberg_msg::tracker_t>("tracker", TrackerSample{}));
   all.push_back(sample_entry<limberg_msg::raw_t>("raw", RawSample{}));
   all.push_back(sample_entry<limberg_msg::command_t>("command", command_sample(Incise{{{0, 0}, {10, 0}}, 4, 90})));
+  all.push_back(force_entry());
   all.push_back(record_entry("session", kSessionChannel, a_session()));
   limberg_msg::chunk_t chunk{};
   chunk.kind = 1, chunk.total = 1, chunk.bytes = chunk.n = 5;
@@ -371,6 +417,7 @@ std::vector<Entry> stream_entries() {
   all.push_back(line_entry(true));
   all.push_back(line_entry(false));
   all.push_back(conversation_entry());
+  all.push_back(haply_entry());
   all.push_back(desktop_entry(DesktopSettings::space_mouse));
   all.push_back(desktop_entry(DesktopSettings::mouse));
   return all;

@@ -34,6 +34,8 @@ TEST(SameBits, NoFunctionOfTheLibraryThatDiffersByMachine) {
     for (const auto& e : fs::recursive_directory_iterator(root / part)) {
       if ((e.path().extension() != ".h" && e.path().extension() != ".cpp") || e.path().filename() == "elementary.h")
         continue;
+      // A driver is a program of its own, of which a recording keeps what it said.
+      if (e.path().parent_path().filename() == "drivers") continue;
       std::ifstream in(e.path());
       text += found_in(in, fs::relative(e.path(), root).generic_string());
     }

@@ -17,7 +17,7 @@ namespace {
 
 double us(int64_t ns) { return double(ns) * 1e-3; }
 
-struct Suite {
+struct DevicesParts {
   DevicesSettings set;
   Result out;
 
@@ -205,7 +205,7 @@ struct Suite {
 }  // namespace
 
 Result devices_suite(const DevicesSettings& settings) {
-  Suite s{settings, {}};
+  DevicesParts s{settings, {}};
   if (s.wants("wake")) s.wake();
   if (s.wants("buffers")) s.buffers();
   if (s.wants("tracking")) s.tracking();
