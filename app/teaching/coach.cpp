@@ -317,7 +317,7 @@ Showing Coach::showing(bool clean) const {
   if (mode_ == LessonMode::examination) return s;
   s.undos = clean ? undos_to_plan(plan_, standing_) : 0;
   const std::vector<StandingAct> from = after_undos(standing_, s.undos);
-  const Progress p = s.undos > 0 ? progress_of(plan_, from) : progress_;
+  const PlanProgress p = s.undos > 0 ? progress_of(plan_, from) : progress_;
   if (p.all_done()) return s;
   s.acts = {adapted(plan_, p.next, p, from)}, s.words = plan_.acts[p.next].words;
   return s;

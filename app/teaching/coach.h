@@ -85,7 +85,7 @@ class Coach {
   LessonMode mode() const { return mode_; }
   const LessonPlan& plan() const { return plan_; }
   const CoachSays& says() const { return says_; }
-  const Progress& progress() const { return progress_; }
+  const PlanProgress& progress() const { return progress_; }
   const std::vector<StandingAct>& standing() const { return standing_; }
   /// Tries that have ended, the first first; and the present one.
   const std::vector<Attempt>& earlier() const { return earlier_; }
@@ -111,7 +111,7 @@ class Coach {
   LessonMode mode_;
   std::vector<Command> script_;
   std::vector<StandingAct> standing_;
-  Progress progress_;
+  PlanProgress progress_;
   CoachSays says_;
   std::vector<Attempt> earlier_;
   std::vector<Said> said_;

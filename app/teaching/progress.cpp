@@ -63,7 +63,7 @@ std::vector<ChartPoint> corners_of(const DrawnLine& l) {
 
 /// How the learner's cuts lie against the plan's, by least squares of their corners; as planned where they lie within
 /// what may be off, or say too little.
-Laid laid(const LessonPlan& plan, const Progress& progress, const std::vector<StandingAct>& standing) {
+Laid laid(const LessonPlan& plan, const PlanProgress& progress, const std::vector<StandingAct>& standing) {
   constexpr double kSameCorner_mm = 12;
   std::vector<std::pair<ChartPoint, ChartPoint>> pairs;
   double most = 0;
@@ -94,15 +94,15 @@ Laid laid(const LessonPlan& plan, const Progress& progress, const std::vector<St
 
 }  // namespace
 
-std::vector<size_t> Progress::open() const {
+std::vector<size_t> PlanProgress::open() const {
   std::vector<size_t> all;
   for (size_t i = 0; i < act.size(); ++i)
     if (act[i].state == ActProgress::open) all.push_back(i);
   return all;
 }
 
-Progress progress_of(const LessonPlan& plan, const std::vector<StandingAct>& standing) {
-  Progress p;
+PlanProgress progress_of(const LessonPlan& plan, const std::vector<StandingAct>& standing) {
+  PlanProgress p;
   p.act.resize(plan.acts.size());
   std::vector<char> used(standing.size(), 0);
   for (size_t s = 0; s < standing.size(); ++s) {
@@ -147,14 +147,14 @@ Progress progress_of(const LessonPlan& plan, const std::vector<StandingAct>& sta
   return p;
 }
 
-int attempt_at(const Progress& p, size_t standing) {
+int attempt_at(const PlanProgress& p, size_t standing) {
   for (size_t i = 0; i < p.act.size(); ++i)
     if (p.act[i].state == ActProgress::done && p.act[i].by == standing) return int(i);
   return -1;
 }
 
 int undos_to_plan(const LessonPlan& plan, const std::vector<StandingAct>& standing) {
-  const Progress p = progress_of(plan, standing);
+  const PlanProgress p = progress_of(plan, standing);
   size_t first = standing.size();
   for (const size_t s : p.stray) first = std::min(first, s);
   for (const ActProgress& a : p.act)
@@ -173,7 +173,7 @@ std::vector<StandingAct> after_undos(std::vector<StandingAct> standing, int undo
   return standing;
 }
 
-Command adapted(const LessonPlan& plan, size_t act, const Progress& progress,
+Command adapted(const LessonPlan& plan, size_t act, const PlanProgress& progress,
                 const std::vector<StandingAct>& standing) {
   Command c = plan.acts[act].command;
   const Laid lay = laid(plan, progress, standing);

@@ -19,7 +19,7 @@ struct ActProgress {
   Offs offs;           // done: what was looked at
 };
 
-struct Progress {
+struct PlanProgress {
   std::vector<ActProgress> act;  // one for each planned
   std::vector<size_t> stray;     // acts that stand and are no attempt at anything planned
   size_t next = 0;               // the first that is open; their number: all is done
@@ -27,10 +27,10 @@ struct Progress {
   bool all_done() const { return next == act.size(); }
   std::vector<size_t> open() const;
 };
-Progress progress_of(const LessonPlan& plan, const std::vector<StandingAct>& standing);
+PlanProgress progress_of(const LessonPlan& plan, const std::vector<StandingAct>& standing);
 
 /// The planned act that this one is an attempt at; -1: none.
-int attempt_at(const Progress& progress, size_t standing);
+int attempt_at(const PlanProgress& progress, size_t standing);
 
 /// How many entries of the history must be taken back until only what follows the plan stands: nothing stray, and
 /// nothing own that is off by more than twice its limit.
@@ -40,6 +40,6 @@ std::vector<StandingAct> after_undos(std::vector<StandingAct> standing, int undo
 
 /// The planned act as it is to be done here: hooks by the numbers that they have on this patient; places turned and
 /// shifted with the learner's cuts, where these lie elsewhere than the plan's.
-Command adapted(const LessonPlan& plan, size_t act, const Progress& progress, const std::vector<StandingAct>& standing);
+Command adapted(const LessonPlan& plan, size_t act, const PlanProgress& progress, const std::vector<StandingAct>& standing);
 
 }  // namespace limberg
