@@ -263,10 +263,19 @@ std::optional<DrawnLine> drawn_line(const Command& c) {
 }
 
 std::string gentle_word(const Offs& offs) {
+  // Causes before what follows from them: a wrong angle takes every later corner along.
+  static constexpr Off::Kind kCauses[] = {Off::length, Off::angle, Off::depth, Off::blade,  Off::spacing,
+                                          Off::area,   Off::way,   Off::place, Off::corner, Off::line};
   std::string s;
   int said = 0;
-  for (const Off& o : offs)
-    if (o.share() > 1 && said < 2) s += (said++ ? "; " : "") + o.words;
+  bool explained = false;  // that the line lies elsewhere
+  for (const Off::Kind kind : kCauses)
+    for (const Off& o : offs) {
+      if (o.kind != kind || o.share() <= 1 || said == 2) continue;
+      if (explained && (kind == Off::line || kind == Off::corner)) continue;
+      explained |= kind == Off::angle || kind == Off::corner;
+      s += (said++ ? "; " : "") + o.words;
+    }
   if (!s.empty() && s[0] >= 'a' && s[0] <= 'z') s[0] = char(s[0] - 'a' + 'A');
   return s.empty() ? s : s + ".";
 }

@@ -250,7 +250,7 @@ Attempt Coach::present() const {
       }
       row.judged = true;
       if (!p.offs.empty() && p.offs.front().share() > row.share)
-        row.share = p.offs.front().share(), row.value = p.offs.front().words;
+        row.share = p.offs.front().share(), row.value = lower(gentle_word(p.offs));
       if (const std::string off = gentle_word(p.offs); !off.empty())
         better.emplace_back(p.offs.front().share(), "\"" + t.words.stage + "\": " + lower(off) + ".");
       if (const auto line = drawn_line(standing_[p.by].command);
