@@ -457,8 +457,8 @@ std::vector<std::string> to_do_better(std::span<const Judgement> judged, size_t 
     const std::string what = advice ? (*advice)[2] : "look at it again";
     if (j.value)
       all.emplace_back(*j.value / std::max(j.limit, 0.1),
-                       fmt::format("{}: {:.3g} {} where {:.3g} is the most: {}.", words_of_tolerance(j.name), *j.value,
-                                   j.unit, j.limit, what));
+                       fmt::format("{}: {:.3g}{}{} where {:.3g} is the most: {}.", words_of_tolerance(j.name), *j.value,
+                                   j.unit.empty() ? "" : " ", j.unit, j.limit, what));
     else
       all.emplace_back(j.why.find("shown by the program") != std::string::npos ? 0.5 : 1e6,
                        fmt::format("{}: {}.", words_of_tolerance(j.name), j.why));

@@ -186,11 +186,14 @@ void Coach::tell_state() {
                               : StepSeen::done;
     says_.steps.push_back(std::move(s));
   }
-  says_.say.clear(), says_.why.clear(), says_.act.clear(), says_.question = nullptr;
+  says_.limit.clear(), says_.say.clear(), says_.why.clear(), says_.act.clear(), says_.question = nullptr;
   if (mode_ != LessonMode::guided) says_.hint.clear(), says_.answer.clear();
   if (mode_ != LessonMode::guided || says_.step >= plan_.steps.size()) return;
   const LessonStep& w = plan_.steps[says_.step].words;
   says_.say = w.say, says_.why = w.why, says_.act = plan_.acts[progress_.next].words;
+  if (drawn_line(plan_.acts[progress_.next].command))
+    for (const SafeLimit& l : plan_.limits)
+      if (l.deepest_mm) says_.limit = fmt::format("Never deeper than {:g} mm: {}.", *l.deepest_mm, lower(l.name));
   if (w.question && answers_[says_.step] == 0) says_.question = &*w.question;
   if (!w.question || answers_[says_.step] == 0) says_.answer.clear();
 }
@@ -264,7 +267,8 @@ Attempt Coach::present() const {
   const auto figure = [&](const char* tolerance, const std::string& unit, double value, bool judged) {
     for (const auto& [name, limit] : plan_.tolerances)
       if (name == tolerance) {
-        a.rows.push_back({words_of_tolerance(name), fmt::format("{:.3g} {}, at most {:g}", value, unit, limit),
+        a.rows.push_back({words_of_tolerance(name),
+                          fmt::format("{:.3g}{}{}, at most {:g}", value, unit.empty() ? "" : " ", unit, limit),
                           value / std::max(limit, 1e-6), !judged, judged});
         const Judgement j{name, unit, limit, value, "", value <= limit};
         for (const std::string& s : to_do_better(std::span(&j, 1)))

@@ -51,6 +51,7 @@ struct CoachSays {
   std::string goal;
   std::vector<StepSeen> steps;
   size_t step = 0;                           // the present one; their number: all is done
+  std::string limit;                         // how deep a blade may go; empty: nothing is cut now, or no limit is known
   std::string say, why, act;                 // of the present step; the act that is next
   std::string hint;                          // since the hand has been still for a while; mostly empty
   const LessonQuestion* question = nullptr;  // not answered yet

@@ -40,6 +40,7 @@ std::vector<StandingAct> after_undos(std::vector<StandingAct> standing, int undo
 
 /// The planned act as it is to be done here: hooks by the numbers that they have on this patient; places turned and
 /// shifted with the learner's cuts, where these lie elsewhere than the plan's.
-Command adapted(const LessonPlan& plan, size_t act, const PlanProgress& progress, const std::vector<StandingAct>& standing);
+Command adapted(const LessonPlan& plan, size_t act, const PlanProgress& progress,
+                const std::vector<StandingAct>& standing);
 
 }  // namespace limberg

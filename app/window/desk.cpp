@@ -320,7 +320,7 @@ void Desk::lanes(const DeskReading& r, int width, int height) {
   float word_height = 0;
   const CoachSays* says = r.coach ? &r.coach->says() : nullptr;
   const std::string& word = says && !says->word.empty() ? says->word : last_word_;
-  if (!word.empty()) {
+  if (!word.empty() && !state.summary) {
     ImGui::SetNextWindowPos({x + 0.5f * w, float(height) - kLanesHeight - 8}, ImGuiCond_Always, {0.5f, 1});
     ImGui::SetNextWindowBgAlpha(0.85f);
     ImGui::SetNextWindowSizeConstraints({200, 0}, {0.9f * w, 200});
@@ -412,13 +412,15 @@ void Desk::draw(const DeskReading& r, const std::vector<Vec3f>& ruler_px, int wi
   if (state.compare != Compare::off) {
     const DeskStage g = desk_stage(width, height);
     const bool wipe = state.compare == Compare::wipe;
+    const char *const earlier = r.earlier_try ? "earlier try" : "before", *const later =
+                                                                              r.earlier_try ? "this try" : "after";
     const float left = g.u0 * float(width), right = g.u1 * float(width),
                 border = wipe ? left + state.wipe * (right - left) : 0.5f * (left + right);
     ImDrawList& d = *ImGui::GetBackgroundDrawList();
     const ImU32 ink = IM_COL32(240, 245, 245, 230);
     d.AddLine({border, 0}, {border, g.v1 * float(height)}, ink, 1.5f);
     for (const auto& [word, x] :
-         {std::pair("before", border - 10 - ImGui::CalcTextSize("before").x), std::pair("after", border + 10)}) {
+         {std::pair(earlier, border - 10 - ImGui::CalcTextSize(earlier).x), std::pair(later, border + 10)}) {
       const ImVec2 size = ImGui::CalcTextSize(word);
       if (x < left || x + size.x > right) continue;
       const float y = stage_top_;

@@ -75,6 +75,7 @@ struct DeskReading {
   const LaneGauges* gauges = nullptr;
   Ruler::Reading ruler;
   const Coach* coach = nullptr;  // of a lesson; null: there is none
+  bool earlier_try = false;      // it is what comparisons are with
   bool showing = false;
   std::optional<Tool> hand_tool;  // what the hand has that is there, where it is not the mouse's choice
   bool at_leisure = false;  // nothing moves: the picture was drawn as finely as a window can, and may take its time

@@ -89,11 +89,13 @@ float DeskLesson::next_step(const Coach& c, float x, float y, float w, std::vect
         ImGui::TextWrapped("%s", says.question->answers[i].c_str());
         ImGui::PopID();
       }
+      ImGui::TextColored(kQuiet, "Then: %s", says.say.c_str());
     } else {
       if (!says.answer.empty()) ImGui::TextColored(kGood, "%s", says.answer.c_str());
       ImGui::TextUnformatted(says.say.c_str());
       if (!says.why.empty()) ImGui::TextColored(kQuiet, "Why: %s", says.why.c_str());
       if (t.acts > 1 && says.act != says.say) ImGui::TextColored(kNow, "Now: %s.", says.act.c_str());
+      if (!says.limit.empty()) ImGui::TextColored(kQuiet, "%s", says.limit.c_str());
       if (!says.hint.empty()) ImGui::TextColored(kHint, "Hint: %s", says.hint.c_str());
     }
   }
@@ -144,15 +146,16 @@ void DeskLesson::summary(const Coach& c, int width, int height, bool& open, std:
   const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
   covered.push_back({at.x, at.y, at.x + size.x, at.y + size.y});
   const Attempt& now = tries.back();
-  const float table_height = std::min(26 + 21 * float(now.rows.size()) * 1.5f, float(height) - 230);
+  const float table_height = std::min(26 + 21 * float(now.rows.size()) * 1.25f, float(height) - 230);
   if (ImGui::BeginTable("tries", 1 + int(tries.size() - first),
                         ImGuiTableFlags_RowBg | ImGuiTableFlags_ScrollY | ImGuiTableFlags_BordersInnerV,
                         {0, std::max(table_height, 80.0f)})) {
     ImGui::TableSetupScrollFreeze(0, 1);
-    ImGui::TableSetupColumn("step or figure", 0, 0.8f);
-    for (size_t k = first; k < tries.size(); ++k)
-      ImGui::TableSetupColumn(k + 1 == tries.size() ? (k == 0 ? "this try" : "this try (the newest)")
-                                                    : fmt::format("try {}", k + 1).c_str());
+    ImGui::TableSetupColumn("step or figure", ImGuiTableColumnFlags_WidthStretch, 0.8f);
+    for (size_t k = first; k < tries.size(); ++k) {
+      const std::string name = k + 1 < tries.size() ? fmt::format("try {}", k + 1) : "this try";
+      ImGui::TableSetupColumn(name.c_str(), ImGuiTableColumnFlags_WidthStretch, 1);
+    }
     ImGui::TableHeadersRow();
     for (const Attempt::Row& row : now.rows) {
       ImGui::TableNextRow();

@@ -296,6 +296,34 @@ struct WindowFrames::Impl {
     }
   }
 
+  /// On a body that is not flat the first view is of the lesson's plan, wherever the scene's camera looks.
+  void look_at_plan(const Snapshot& s) {
+    constexpr double kSeen = 0.55;                     // cosine: so obliquely is a plan still seen well
+    constexpr float kShare = 0.4f, kNearest_mm = 130;  // of the height of the picture that the plan fills
+    if (!has_surface(s) || !s.topology->body || s.topology->body->is_box) return;
+    SkinChart chart;
+    chart.build(*s.topology);
+    Vec3 centre = Vec3::Zero(), normal = Vec3::Zero();
+    std::vector<Vec3> places;
+    for (const PlannedAct& a : coach->plan().acts)
+      if (const auto line = drawn_line(a.command))
+        for (const ChartPoint& p : line->path)
+          if (const SkinTouch at = chart.at(s, p, 2); at.triangle >= 0)
+            places.push_back(at.x_mm), centre += at.x_mm, normal += at.normal;
+    if (places.size() < 2 || !(normal.norm() > 1e-6)) return;
+    centre /= double(places.size()), normal.normalize();
+    double reach = 0;
+    for (const Vec3& p : places) reach = std::max(reach, (p - centre).norm());
+    if ((camera.eye_mm.cast<double>() - centre).normalized().dot(normal) > kSeen &&
+        (camera.eye_mm.cast<double>() - centre).norm() < 12 * reach)
+      return;
+    const float half = std::tan(0.5f * camera.fov_deg * float(M_PI) / 180);
+    const float far_mm = std::max(kNearest_mm, float(reach) / (kShare * half));
+    camera.target_mm = centre.cast<float>(), camera.eye_mm = (centre + double(far_mm) * normal).cast<float>();
+    approach(camera, 1);
+    set.camera = camera;
+  }
+
   /// The eye stays outside of the tissue: on the way from what is looked at it stops 12 mm before the outermost skin.
   void keep_out(const Snapshot& s) {
     constexpr float kFar_mm = 3000, kRoom_mm = 12;
@@ -505,6 +533,7 @@ struct WindowFrames::Impl {
     DeskReading r;
     r.shown = &s, r.gauges = gauges, r.ruler = ruler.read(s);
     r.coach = coach ? &*coach : nullptr, r.showing = feed.showing;
+    r.earlier_try = earlier_try.has_value();
     if (set.facts.own_device || feed.showing) r.hand_tool = Tool(hand.tool);
     r.at_leisure = at_leisure && desk.state.quality == 0;
     r.field = field, r.samples_per_s = samples_per_s, r.pictures_per_s = pictures_per_s;
@@ -569,7 +598,10 @@ struct WindowFrames::Impl {
     ImGui::SetCurrentContext(panels);
     fit_panels(width, height);
     take_waiting(s, width, height);
-    if (!first) first = s;
+    if (!first) {
+      first = s;
+      if (coach) look_at_plan(s);
+    }
     hand = tool;
     if (coach) {
       HandSeen seen{tool, std::nullopt, std::nullopt, feed.showing};

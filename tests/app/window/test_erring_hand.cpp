@@ -191,7 +191,8 @@ TEST(ErringHand, IsToldAtEachErrorWhatIsOffAndWhatToDo) {
   MemoryScreen screen;
   HandFeed feed;
   WindowSettings set;
-  set.facts.scene = scene.name, set.facts.device = "mouse", set.facts.goal = lesson.goal;
+  set.facts.scene = scene.name, set.facts.device = "stylus", set.facts.own_device = set.facts.calibrated = true,
+  set.facts.goal = lesson.goal;
   set.camera = scene_camera(scene), set.lesson = plan;
   WindowFrames window(screen, feed, nullptr, set);
   const char* pictures = std::getenv("LIMBERG_PICTURES");
@@ -215,8 +216,8 @@ TEST(ErringHand, IsToldAtEachErrorWhatIsOffAndWhatToDo) {
   for (const char* words :
        {"Not done: ", "cut the skin first", "began beside the patient",
         "Out of order: \"defect\" comes before \"flap cut\"", "As planned", "began over the defect", "too short",
-        "the end at F is missing", "angle at E is 9", "planned 60", "mm deeper than planned",
-        "elsewhere than planned", "As planned", "hook holds nothing in the wound", "Both bites lie in one edge",
+        "the end at F is missing", "angle at E is 9", "planned 60", "mm deeper than planned", "elsewhere than planned",
+        "As planned", "hook holds nothing in the wound", "Both bites lie in one edge",
         "let go where there is no skin"}) {
     const size_t at = all.find(words, from);
     EXPECT_NE(at, std::string::npos) << "not said, or too early: " << words << "\nsaid:\n" << all;
