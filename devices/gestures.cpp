@@ -44,7 +44,7 @@ void Gestures::emit(ToolEvent e, EventSink& out) {
 }
 
 void Gestures::miss(int kind, int64_t tick, EventSink& out) {
-  ++missed_;
+  missed_ += kind != MissedPress::same_edge;  // that stitch is tied
   MissedPress m;
   m.tick = tick, m.kind = kind, m.tool = int32_t(tool_);
   for (int i = 0; i < 3; ++i) m.tip_mm[i] = last_pose_.tip_mm[i];

@@ -58,7 +58,7 @@ class Gestures {
   const SkinTouch& touched() const { return touch_; }  // the nearest skin at the last tick
   int64_t events() const { return seq_; }
   int64_t events_lost() const { return lost_; }
-  /// Pressed with a tool, but not on what it acts on; a stitch that found no second edge.
+  /// Pressed with a tool, but not on what it acts on; a stitch that was let go in the air.
   int64_t missed_presses() const { return missed_; }
 
  private:

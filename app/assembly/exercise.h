@@ -32,8 +32,9 @@ struct Exercise {
 /// `script`: what was carried out.
 Exercise exercise(std::span<const Command> script, const Metrics& metrics, const std::optional<PlanOnSkin>& plan);
 /// `exercise`, and with a lesson `lesson`: goal, tolerances with value and whether each is met, hints. Returns the
-/// judgements. What hangs on acts that the program has shown is not judged (withhold_shown). Tolerances of the hand (time, path, movements) are left out where a script was carried out without one.
-/// `measured`: of skin (lesson_values) or bones (bone_values).
+/// judgements. What hangs on acts that the program has shown is not judged (withhold_shown). Tolerances of the hand
+/// (time, path, movements) are left out where a script was carried out without one. `measured`: of skin
+/// (lesson_values) or bones (bone_values).
 std::vector<Judgement> fill_exercise(Result& result, const Exercise& e, LessonValues measured, const Lesson* lesson);
 /// On the terminal: one line for each, "met", "missed" or "not measured" and why.
 void print_judgements(const std::vector<Judgement>& judged);

@@ -168,6 +168,7 @@ void Coach::missed(const MissedPress& press, const Snapshot& patient) {
 
 void Coach::tell_state() {
   says_.steps.clear();
+  says_.undos_to_plan = mode_ == LessonMode::examination ? 0 : undos_to_plan(plan_, standing_);
   says_.finished = progress_.all_done() && !plan_.acts.empty();
   says_.step = says_.finished || plan_.acts.empty() ? plan_.steps.size() : plan_.acts[progress_.next].step;
   for (size_t i = 0; i < plan_.steps.size(); ++i) {
@@ -319,7 +320,7 @@ int Coach::try_again() {
 Showing Coach::showing(bool clean) const {
   Showing s;
   if (mode_ == LessonMode::examination) return s;
-  s.undos = clean ? undos_to_plan(plan_, standing_) : 0;
+  s.undos = clean ? says_.undos_to_plan : 0;
   const std::vector<StandingAct> from = after_undos(standing_, s.undos);
   const PlanProgress p = s.undos > 0 ? progress_of(plan_, from) : progress_;
   if (p.all_done()) return s;

@@ -60,6 +60,7 @@ struct CoachSays {
   bool word_is_praise = false;
   std::vector<LiveRow> stroke;  // while one is drawn
   std::string stroke_of;        // what it is meant to be
+  int undos_to_plan = 0;        // what "from the plan" takes back first
   bool finished = false;
 };
 

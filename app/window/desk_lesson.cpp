@@ -49,7 +49,7 @@ void DeskLesson::steps(const Coach& c, const char* title, float height, bool sho
     ImGui::TextColored(kShown, "being shown ...");
     ImGui::Dummy({0, ImGui::GetFrameHeight() - ImGui::GetTextLineHeight() - ImGui::GetStyle().ItemSpacing.y});
   } else if (!says.finished) {
-    const int undos = c.showing(true).undos;
+    const int undos = says.undos_to_plan;
     if (ImGui::Button("Show me   N", {undos > 0 ? half : -1, 0})) next = true;
     if (undos > 0) {
       ImGui::SameLine();

@@ -102,7 +102,7 @@ struct WindowFrames::Impl {
   PlanSheet sheet;
   size_t staged = 0;                    // steps of the lesson whose stage was told
   std::optional<Snapshot> earlier_try;  // as it was left; before and after compare with it
-  Snapshot last;                        // what was shown last; of a lesson
+  const Snapshot* now = nullptr;        // during a frame
   ToolState hand;
   Vec3f guarded_mm = Vec3f::Constant(1e9f);  // the eye when it was kept out of the tissue last
   SkullView skull;
@@ -281,7 +281,7 @@ struct WindowFrames::Impl {
         feed.answers.push(ShowActs{show.undos, std::make_shared<const std::vector<Command>>(show.acts)});
     }
     if (d.lesson.again && !feed.showing) {
-      earlier_try = last;
+      if (now) earlier_try = *now;
       if (const int undos = coach->try_again(); undos > 0) feed.answers.push(ShowActs{undos, nullptr});
       staged = 0, d.summary = false;
     }
@@ -534,7 +534,8 @@ struct WindowFrames::Impl {
     r.shown = &s, r.gauges = gauges, r.ruler = ruler.read(s);
     r.coach = coach ? &*coach : nullptr, r.showing = feed.showing;
     r.earlier_try = earlier_try.has_value();
-    if (set.facts.own_device || feed.showing) r.hand_tool = Tool(hand.tool);
+    if (hand.valid && (set.facts.own_device || set.facts.device != "mouse" || feed.showing))
+      r.hand_tool = Tool(hand.tool);
     r.at_leisure = at_leisure && desk.state.quality == 0;
     r.field = field, r.samples_per_s = samples_per_s, r.pictures_per_s = pictures_per_s;
     if (skull_shown) {
@@ -602,13 +603,12 @@ struct WindowFrames::Impl {
       first = s;
       if (coach) look_at_plan(s);
     }
-    hand = tool;
+    hand = tool, now = &s;
     if (coach) {
       HandSeen seen{tool, std::nullopt, std::nullopt, feed.showing};
       if (!set.facts.own_device)
         seen.depth_mm = double(desk.state.depth_mm), seen.angle_deg = double(desk.state.angle_deg);
       coach->look(s, seen);
-      last = s;
     }
     if (s.topology) desk.state.head.see(s.topology->landmark, s.landmark_mm);
     carry_out();
@@ -630,7 +630,7 @@ struct WindowFrames::Impl {
     if (changed && desk.state.quality == 0)
       ladder.frame(1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
     feed.keep_recording.store(desk.state.keep_recording, std::memory_order_relaxed);
-    since_frame = 0;
+    since_frame = 0, now = nullptr;
     if (unseen > 0) --unseen;
   }
 };

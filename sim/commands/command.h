@@ -24,9 +24,9 @@ struct Shown {
   bool begins = true;
 };
 
-using Command =
-    std::variant<Incise, InciseMore, Undermine, Excise, SetHook, MoveHook, ReleaseHook, Suture, SutureRow, Undo, Redo,
-                 Stage, Wait, Shown, SutureCorner, SutureBetween, CutSuture, ExcisePiece, CutThrough, InSpace, HeadCommand>;
+using Command = std::variant<Incise, InciseMore, Undermine, Excise, SetHook, MoveHook, ReleaseHook, Suture, SutureRow,
+                             Undo, Redo, Stage, Wait, Shown, SutureCorner, SutureBetween, CutSuture, ExcisePiece,
+                             CutThrough, InSpace, HeadCommand>;
 
 /// What came of a command. A refused one has changed nothing.
 struct Outcome {

@@ -144,6 +144,18 @@ TEST(Coach, SaysWhatIsOffAndHowMuch) {
   EXPECT_SAYS(s.act(back), "As planned");
 }
 
+// A cut that opens while it is drawn is one act, looked at when it ends.
+TEST(Coach, PiecesOfAStrokeAreOneCut) {
+  Session s("rhomboid");
+  s.act(s.planned(0));
+  const auto& path = std::get<Incise>(s.planned(1)).path;
+  EXPECT_EQ(s.act(InciseMore{1, {path[0], 0.5 * (path[0] + path[1])}, 4, 90, false}), "");
+  EXPECT_EQ(s.coach.progress().next, 1u);
+  EXPECT_EQ(s.act(InciseMore{1, {path[1]}, 4, 90, false}), "");
+  EXPECT_SAYS(s.act(InciseMore{1, {path[2]}, 4, 90, true}), "As planned");
+  EXPECT_EQ(s.coach.progress().next, 2u);
+}
+
 TEST(Coach, WarnsOfAWrongOrderWithTheReason) {
   Session s("rhomboid");
   const std::string words = s.act(s.planned(1));
