@@ -73,6 +73,7 @@ class DeviceFrontEnd final : private SampleSink, private EventSink {
  private:
   void on_sample(const Sample& sample) override;
   bool push(const ToolEvent& event) override;  // numbers the events of both hands
+  void missed(const MissedPress& press) override { events_->missed(press); }
   void add_stylus(const StylusSample& s, int32_t device);
   void control(const ControlSample& c);
   void pass_tool();

@@ -43,6 +43,15 @@ void Gestures::emit(ToolEvent e, EventSink& out) {
   if (!out.push(e)) ++lost_;
 }
 
+void Gestures::miss(int kind, int64_t tick, EventSink& out) {
+  missed_ += kind != MissedPress::same_edge;  // that stitch is tied
+  MissedPress m;
+  m.tick = tick, m.kind = kind, m.tool = int32_t(tool_);
+  for (int i = 0; i < 3; ++i) m.tip_mm[i] = last_pose_.tip_mm[i];
+  m.distance_mm = touch_.triangle >= 0 ? touch_.distance_mm : 1e30;
+  out.missed(m);
+}
+
 double Gestures::apart(const SkinTouch& a, const SkinTouch& b) const {
   return acts_on_bone(tool_) ? (a.X_mm - b.X_mm).norm() : (a.chart - b.chart).norm();
 }
@@ -142,7 +151,7 @@ void Gestures::control(const ControlSample& c, int64_t tick, const Snapshot& s, 
 void Gestures::name_place(const ControlSample& c, int64_t tick, const Snapshot& s, EventSink& out) {
   const bool on_face = int(c.value[3]) >= kFaceNearTip;
   if (!on_face && (touch_.triangle < 0 || touch_.distance_mm > g_.reach_mm || !acts_on_bone(tool_))) {
-    ++missed_;
+    miss(MissedPress::place, tick, out);
     return;
   }
   ToolEvent e = event(ToolEvent::name_place, tick, s);
@@ -168,7 +177,7 @@ void Gestures::old_control(const ControlSample& c, int64_t tick, const Snapshot&
   if (c.kind < OldControls::kFirst || c.kind > OldControls::kLast || c.kind == ControlSample::clutch) return;
   const OldControls::Told told = old_.read(c, s);
   if (told.stops_hand) cancel(tick, s, out);
-  if (!told.understood) ++missed_;
+  if (!told.understood) miss(MissedPress::control, tick, out);
   if (c.kind == OldControls::snap) ++bone_grabs_;  // it was a grab of the hand, and the hand's grabs are counted
   for (const auto& command : told.events) {
     ToolEvent e = event(ToolEvent::told, tick, s);
@@ -193,7 +202,7 @@ void Gestures::press(int64_t tick, const Pose& pose, const Snapshot& s, EventSin
     }
     ToolEvent e = event(take ? ToolEvent::hook_take : ToolEvent::hook_set, tick, s);
     if (!take && (!on_skin || stands)) {
-      ++missed_;
+      miss(stands ? MissedPress::hook_stands : MissedPress::press, tick, out);
       return;
     }
     e.id = take ? take->id : asked_hook_ > 0 ? asked_hook_ : next_hook_;
@@ -203,7 +212,7 @@ void Gestures::press(int64_t tick, const Pose& pose, const Snapshot& s, EventSin
     doing_ = Doing::hold_hook;
     emit(e, out);
   } else if (tool_ != Tool::none && !on_skin) {
-    ++missed_;
+    miss(MissedPress::press, tick, out);
   } else if (tool_ == Tool::grab) {
     ToolEvent e = event(ToolEvent::bone_grab, tick, s);
     e.id = ++bone_grabs_;
@@ -296,9 +305,14 @@ void Gestures::release(int64_t tick, const Pose& pose, const Snapshot& s, EventS
       break;
     }
     case Doing::suture:
-      if (on_skin)
-        if (const SkinTouch apart = index_.closest_apart(s, meant_tip(), suture_a_, g_.apart_mm); apart.triangle >= 0)
-          touch_ = apart;
+      if (!on_skin) {
+        miss(MissedPress::second_bite, tick, out);
+      } else if (const SkinTouch apart = index_.closest_apart(s, meant_tip(), suture_a_, g_.apart_mm);
+                 apart.triangle >= 0) {
+        touch_ = apart;
+      } else if ((touch_.x_mm - suture_a_.x_mm).norm() < SurfaceIndex::kSheetRadius_mm) {
+        miss(MissedPress::same_edge, tick, out);
+      }
       emit(event(on_skin ? ToolEvent::suture_b : ToolEvent::suture_cancel, tick, s), out);
       break;
     case Doing::carry: {

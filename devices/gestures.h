@@ -58,7 +58,8 @@ class Gestures {
   const SkinTouch& touched() const { return touch_; }  // the nearest skin at the last tick
   int64_t events() const { return seq_; }
   int64_t events_lost() const { return lost_; }
-  int64_t missed_presses() const { return missed_; }  // pressed with a tool, but not on skin
+  /// Pressed with a tool, but not on what it acts on; a stitch that was let go in the air.
+  int64_t missed_presses() const { return missed_; }
 
  private:
   enum class Doing { nothing, stroke, hold_hook, suture, carry };
@@ -78,6 +79,7 @@ class Gestures {
   void emit_row(int64_t tick, const Snapshot& s, EventSink& out);
   ToolEvent event(int kind, int64_t tick, const Snapshot& s) const;
   void emit(ToolEvent e, EventSink& out);
+  void miss(int kind, int64_t tick, EventSink& out);
   /// How far two touched places are apart at rest: on the chart, on bone in space.
   double apart(const SkinTouch& a, const SkinTouch& b) const;
   SurfaceIndex& index() { return acts_on_bone(tool_) ? bone_index_ : index_; }

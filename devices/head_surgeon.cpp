@@ -285,6 +285,7 @@ struct EmulatedHeadSurgeon::Impl {
     choose(ControlSample::stage, Tool::none, {double(++stages), 0, 0, 0}, s.name), add(Act::hold, set.corner_pause_s);
   }
   void plan(const Wait& w) { add(Act::hold, w.seconds); }
+  void plan(const Shown&) {}
   void plan(const Undo&) { choose(ControlSample::undo), add(Act::hold, set.settle_s); }
   void plan(const Redo&) { choose(ControlSample::redo), add(Act::hold, set.settle_s); }
   void plan(const HeadCommand& h) {

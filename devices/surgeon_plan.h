@@ -83,6 +83,7 @@ class SurgeonPlan {
   void plan(const Redo& c);
   void plan(const Stage& c);
   void plan(const Wait& c);
+  void plan(const Shown&) {}  // says who does it, and is no gesture
   void plan(const HeadCommand& c);
   template <class Other>
   void plan(const Other&) {

@@ -3,6 +3,7 @@
 // command of a panel, which is kept by who made it.
 #include <cstdint>
 
+#include "devices/missed_press.h"
 #include "devices/sample.h"
 
 namespace limberg {
@@ -53,6 +54,8 @@ class EventSink {
  public:
   virtual ~EventSink() = default;
   virtual bool push(const ToolEvent& event) = 0;
+  /// A press came to nothing. Not an event: it changes nothing, and recordings do not have it.
+  virtual void missed(const MissedPress& press) { (void)press; }
 };
 
 /// A fragment of bone in a hand: a map of places, from where they were when it was grabbed to where the hand takes

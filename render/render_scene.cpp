@@ -12,6 +12,12 @@ namespace limberg {
 
 void SceneBuilder::add_stretch_glyphs(const Snapshot& snapshot) { add_glyphs(scene_.props, stretch_glyphs(snapshot)); }
 
+void SceneBuilder::add_props(const PropMesh& props) {
+  const auto first = uint32_t(scene_.props.vertex.size());
+  scene_.props.vertex.insert(scene_.props.vertex.end(), props.vertex.begin(), props.vertex.end());
+  for (const auto& t : props.tri) scene_.props.tri.push_back({t[0] + first, t[1] + first, t[2] + first});
+}
+
 void SceneBuilder::add_lines(const SceneLines& lines) {
   SceneLines& all = scene_.lines;
   all.x_mm.insert(all.x_mm.end(), lines.x_mm.begin(), lines.x_mm.end());

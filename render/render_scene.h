@@ -84,6 +84,8 @@ class SceneBuilder {
   // To the scene that was built last:
   /// Adds the skin's principal stretches (glyphs.h).
   void add_stretch_glyphs(const Snapshot& snapshot);
+  /// Adds props of the caller's: a drawing on the skin, say.
+  void add_props(const PropMesh& props);
   /// Adds lines. One list each for ends and colours, of equal length.
   void add_lines(const SceneLines& lines);
   /// Shows another field than the snapshot's own: a value per vertex of the view; empty: none.

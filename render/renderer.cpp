@@ -302,7 +302,11 @@ struct Renderer::Impl {
     p.set("to_light", to_light);
     p.set("shadow_map", 0);
     p.set("shadow_texel", 1.0f / float(o.still ? kShadowSize : kLiveShadowSize));
-    if (part == Part::tool) return p;
+    if (part == Part::tool) {
+      p.set("tool_tip", o.tool_tip_mm);
+      p.set("clear_tool", o.clear_tool_mm);
+      return p;
+    }
     int unit = 1;
     for (const char* name : {"skin_map", "grid_map", "detail_map", "layer_map", "colour_map", "slope_map"})
       p.set(name, unit++);

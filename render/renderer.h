@@ -43,6 +43,8 @@ struct DrawOptions {
   bool keep = false;           // paint(): leave what is there; only the views' parts of the frame are drawn anew
   bool colour_field = false;   // show RenderScene::field instead of the skin's (the face's) colour
   FaceLook face = FaceLook::solid;
+  float clear_tool_mm = 0;  // a tool is seen through from so far above its tip on; 0: it is not
+  Vec3f tool_tip_mm = Vec3f::Zero();
   ColourScale scale = ColourScale::magnitude;
   double field_min = 0, field_max = 1;
   int iso_lines = 10;  // intervals of the colour map that are parted by thin lines; 0 = none

@@ -375,10 +375,13 @@ const char* const prop_vertex = R"(#version 330 core
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec4 colour_metal;
+layout(location = 3) in uint id;
 uniform mat4 to_clip;
 out vec3 v_world, v_normal, v_colour;
 out float v_metal;
+flat out uint v_part;
 void main() {
+  v_part = id >> 24;
   v_world = position, v_normal = normal, v_colour = colour_metal.rgb, v_metal = colour_metal.a;
   gl_Position = to_clip * vec4(position, 1.0);
 }
@@ -387,6 +390,9 @@ void main() {
 const char* const prop_fragment = R"(
 in vec3 v_world, v_normal, v_colour;
 in float v_metal;
+flat in uint v_part;
+uniform vec3 tool_tip;
+uniform float clear_tool;  // mm above the tip; 0: solid
 out vec4 colour;
 
 // What steel reflects: a room with a bright ceiling lamp, a lighter wall and a dark floor.
@@ -399,6 +405,13 @@ vec3 room(vec3 d) {
 }
 
 void main() {
+  // A tool that would hide what it works on: every other pixel, and further up three of four, are left out.
+  if (v_part == 6u && clear_tool > 0.0) {
+    float above = distance(v_world, tool_tip);
+    ivec2 at = ivec2(gl_FragCoord.xy) & 1;
+    if (above > clear_tool && (at.x ^ at.y) == 1) discard;
+    if (above > 2.0 * clear_tool && at.x + at.y > 0) discard;
+  }
   vec3 v = normalize(eye - v_world);
   vec3 n = normalize(v_normal + 1e-9 * v);
   if (dot(n, v) < 0.0) n = -n;

@@ -7,13 +7,15 @@
 #include <cstdio>
 
 #include "app/result/run_result.h"
+#include "sim/commands/authorship.h"
 #include "sim/commands/strokes.h"
 
 namespace limberg {
 
 Exercise exercise(std::span<const Command> script, const Metrics& m, const std::optional<PlanOnSkin>& plan) {
   Exercise e;
-  for (const Command& c : join_strokes(script)) {
+  e.script.assign(script.begin(), script.end());
+  for (const Command& c : join_strokes(own_acts(script))) {
     e.cuts +=
         std::holds_alternative<Incise>(c) || std::holds_alternative<Excise>(c) || std::holds_alternative<Undermine>(c);
     e.hooks += std::holds_alternative<SetHook>(c);
@@ -70,12 +72,16 @@ std::vector<Judgement> fill_exercise(Result& r, const Exercise& e, LessonValues 
     std::erase_if(judged, [](const Judgement& j) {
       return !j.value && (j.name == "time_s" || j.name == "path_mm" || j.name == "movements");
     });
+  withhold_shown(judged, e.script);
+  const std::vector<StandingAct> standing = standing_acts(e.script);
+  const auto shown = std::count_if(standing.begin(), standing.end(), [](const StandingAct& a) { return a.shown; });
   std::vector<ResultTolerance> tolerances;
   for (const Judgement& x : judged) tolerances.push_back({x.name, x.unit, x.limit, x.value, x.met, x.why});
   const bool all_met = std::all_of(judged.begin(), judged.end(), [](const Judgement& x) { return x.met; });
   write_fields(r, "/lesson",
                ResultLesson{lesson->title, lesson->goal, lesson->file, unless_empty(std::move(tolerances)), all_met,
-                            unless_empty(lesson->steps), unless_empty(lesson->hints)});
+                            unless_empty(lesson->steps), unless_empty(lesson->hints), int64_t(shown),
+                            unless_empty(to_do_better(judged))});
   return judged;
 }
 

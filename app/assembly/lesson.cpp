@@ -3,15 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <limits>
 #include <numbers>
 
+#include "app/assembly/lesson_steps_read.h"
 #include "app/program/shipped.h"
 #include "app/result/output.h"
 #include "app/scene/toml_table.h"
 #include "sim/base/elementary.h"
+#include "sim/commands/authorship.h"
+#include "sim/commands/kinds.h"
 #include "sim/commands/procedures/catalogue.h"
 #include "sim/commands/strokes.h"
 #include "sim/measure/cephalometry.h"
@@ -223,11 +227,12 @@ Lesson parse_lesson(const std::string& text, const std::string& file) {
   top.text("goal", l.goal, 4000);
   top.text("scene", l.scene);
   l.steps = texts_of(root, "steps", file), l.hints = texts_of(root, "hints", file);
-  top.finish({"steps", "hints", "procedure", "bone", "tolerance", "landmarks"});
+  top.finish({"steps", "hints", "procedure", "bone", "tolerance", "landmarks", "step", "limit"});
   if (!root.contains("procedure") && !root.contains("bone"))
     throw InputError(file, 0, "has neither [procedure] nor [bone]; expected what the lesson is about");
   if (root.contains("procedure")) l.plan = procedure_of(root, file);
   if (root.contains("bone")) l.bone = bones_of(root, file);
+  l.words = read_lesson_words(root, file);
 
   Table t = section(root, "tolerance", file);
   for (const Known& k : kKnown) {
@@ -294,7 +299,9 @@ Lesson open_lesson(const std::string& name_or_path) {
 
 std::optional<DesignError> design_error(const PlanOnSkin& plan, std::span<const Command> script) {
   std::vector<Drawn> drawn;
-  for (const Command& c : join_strokes(script)) {
+  for (const StandingAct& act : standing_acts(script)) {
+    if (act.shown) continue;
+    const Command& c = act.command;
     if (const auto* e = std::get_if<Excise>(&c)) drawn.push_back({corners_of_outline(e->outline), true});
     if (const auto* i = std::get_if<Incise>(&c)) drawn.push_back({corners_of_path(i->path), false});
   }
@@ -368,6 +375,97 @@ std::vector<Judgement> judge(const Lesson& lesson, const LessonValues& values) {
     }
     out.push_back(std::move(j));
   }
+  return out;
+}
+
+void withhold_shown(std::vector<Judgement>& judged, std::span<const Command> script) {
+  int cuts = 0, cuts_shown = 0, all = 0, all_shown = 0;
+  for (const StandingAct& a : standing_acts(script)) {
+    const bool cut = cuts_skin(a.command) && !std::holds_alternative<Undermine>(a.command);
+    cuts += cut, cuts_shown += cut && a.shown;
+    ++all, all_shown += a.shown;
+  }
+  const bool any = was_shown(script);
+  for (Judgement& j : judged) {
+    const Known* k =
+        std::find_if(std::begin(kKnown), std::end(kKnown), [&](const Known& x) { return j.name == x.name; });
+    if (k == std::end(kKnown) || j.name == "undos") continue;
+    const bool of_cuts =
+        j.name == "corner_mm" || j.name == "angle_deg" || j.name == "limb_percent" || j.name == "waste_mm2";
+    if (k->of == Known::hand ? !any : of_cuts ? cuts_shown == 0 : all_shown == 0) continue;
+    j.value.reset(), j.met = false;
+    j.why = k->of == Known::hand ? std::string("the program has shown a part, which is not the learner's")
+            : of_cuts            ? fmt::format("{} of {} cuts were shown by the program", cuts_shown, cuts)
+                                 : fmt::format("{} of {} acts were shown by the program", all_shown, all);
+  }
+}
+
+namespace {
+
+/// What a learner can do about a tolerance that was missed.
+constexpr std::array<std::array<const char*, 3>, 29> kAdvice{
+    {{"corner_mm", "Corners of the cuts", "mark the corners before you cut, and draw from one to the next"},
+     {"angle_deg", "Angles of the cuts", "turn at each corner as the plan does; rest there before you go on"},
+     {"limb_percent", "Lengths of the limbs", "measure the limbs: each as long as the plan has it"},
+     {"gap_mm", "Bites of a stitch apart", "bring the edges together with a hook before you tie"},
+     {"suture_N", "Pull of a stitch", "undermine further, or close where the pull is least first"},
+     {"suture_peak_N", "Strongest pull of a stitch",
+      "tie the stitch that carries the tension last of its row, or undermine further"},
+     {"closure_N", "Pull of the closure",
+      "lay the closure along the skin that gives: across the tension lines less is needed"},
+     {"dog_ear_mm", "Dog-ear", "take the cone out as a small triangle, or make the ends of the wound sharper"},
+     {"wound_gape_mm", "Gape of the wound", "set the stitches closer together, and into the corners first"},
+     {"step_off_mm", "Step between the edges", "take both bites at one depth"},
+     {"landmark_mm", "Landmark drawn away", "turn the closure so that it pulls past what must stay"},
+     {"waste_mm2", "Skin excised", "excise no more than the plan does"},
+     {"pieces_wrong", "Pieces of bone",
+      "carry the cut through all of the bone, and round the landmarks that belong to the piece"},
+     {"piece_mm", "Place of the piece", "carry the piece as far as the plan does, and look at its landmarks"},
+     {"piece_deg", "Turn of the piece", "keep the piece level while you carry it"},
+     {"sideways_mm", "Piece to the side", "look from the front: the piece went to the side"},
+     {"forwards_mm", "Piece forwards", "look from the side: too far forwards, or not far enough"},
+     {"upwards_mm", "Piece upwards", "look from the side: the piece went up or down"},
+     {"stays_mm", "What should stay", "leave alone what should stay: saw it free before you pull"},
+     {"midline_mm", "Midline", "look from above: bring the piece back to the midline"},
+     {"osteotomy_gap_mm", "Gap of the bone cut", "let the piece slide along its cut"},
+     {"osteotomy_overlap_mm", "Bone in bone", "take away what stands in the piece's way, or carry it less far"},
+     {"bone_outside_mm", "Bone outside the skin", "bone stands out of the skin: carry it less far"},
+     {"cephalometry_mm", "Cephalometry", "measure the bite before you plate it"},
+     {"cephalometry_deg", "Angles of cephalometry", "turn the piece about its hinge, and measure again"},
+     {"time_s", "Time", "plan the order first; hesitation cost more than the hands"},
+     {"path_mm", "Way of the hand", "shorter ways: choose the next tool near the place of the next act"},
+     {"movements", "Movements", "fewer and longer movements"},
+     {"undos", "Acts taken back", "look twice before you press: each act taken back was a cut"}}};
+
+const std::array<const char*, 3>* advice_on(const std::string& tolerance) {
+  const auto* a = std::find_if(kAdvice.begin(), kAdvice.end(), [&](const auto& x) { return tolerance == x[0]; });
+  return a == kAdvice.end() ? nullptr : a;
+}
+
+}  // namespace
+
+std::string words_of_tolerance(const std::string& name) {
+  const auto* known = advice_on(name);
+  return known ? (*known)[1] : name;
+}
+
+std::vector<std::string> to_do_better(std::span<const Judgement> judged, size_t most) {
+  std::vector<std::pair<double, std::string>> all;
+  for (const Judgement& j : judged) {
+    if (j.met || j.name.empty()) continue;
+    const auto* advice = advice_on(j.name);
+    const std::string what = advice ? (*advice)[2] : "look at it again";
+    if (j.value)
+      all.emplace_back(*j.value / std::max(j.limit, 0.1),
+                       fmt::format("{}: {:.3g}{}{} where {:.3g} is the most: {}.", words_of_tolerance(j.name), *j.value,
+                                   j.unit.empty() ? "" : " ", j.unit, j.limit, what));
+    else
+      all.emplace_back(j.why.find("shown by the program") != std::string::npos ? 0.5 : 1e6,
+                       fmt::format("{}: {}.", words_of_tolerance(j.name), j.why));
+  }
+  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<std::string> out;
+  for (size_t i = 0; i < all.size() && i < most; ++i) out.push_back(std::move(all[i].second));
   return out;
 }
 

@@ -20,6 +20,7 @@
 //   osteotomy_overlap_mm, bone_outside_mm, cephalometry_mm, cephalometry_deg      of bones (bone_lesson.h)
 //   time_s, path_mm, movements, undos       of the hand; judged where there was one
 //   [landmarks]  ala = [x, y]               places that must not be drawn away
+//   [[step]], [[limit]]                     what is said at each step, what is not to be crossed (lesson_steps.h)
 //
 // Reading is strict, as of scenes. There is no grade: each tolerance is met or not, with its value beside it.
 #include <optional>
@@ -27,6 +28,7 @@
 #include <vector>
 
 #include "app/assembly/bone_lesson.h"
+#include "app/assembly/lesson_steps.h"
 #include "sim/measure/metrics.h"
 
 namespace limberg {
@@ -38,6 +40,7 @@ struct Lesson {
   std::optional<BonePlan> bone;
   std::vector<std::pair<std::string, double>> tolerances;  // by name, in the file's order of the list above
   std::vector<Landmark> landmarks;
+  LessonWords words;
 };
 
 /// Is this the text of one?
@@ -77,6 +80,12 @@ struct Judgement {
   bool met = false;
 };
 std::vector<Judgement> judge(const Lesson& lesson, const LessonValues& values);
+/// What hangs on acts that the program has shown is not judged as the learner's: its value goes, and `why` says so.
+void withhold_shown(std::vector<Judgement>& judged, std::span<const Command> script);
+/// "Corners of the cuts" for corner_mm.
+std::string words_of_tolerance(const std::string& name);
+/// The most that is to be done better, worst first, at most `most` sentences. Empty: all is met.
+std::vector<std::string> to_do_better(std::span<const Judgement> judged, size_t most = 3);
 LessonValues lesson_values(const Metrics& metrics, const std::optional<DesignError>& error);
 
 }  // namespace limberg

@@ -56,7 +56,8 @@ class Lines {
     std::string source = limits.source;
     if (tolerance)
       for (size_t i = 0; i < judged_.size(); ++i)
-        if (judged_[i].name == tolerance) limit = warn = judged_[i].limit, source = "the lesson", used_[i] = true;
+        if (judged_[i].name == tolerance)
+          limit = warn = judged_[i].limit, source = "the lesson", used_[i] = judged_[i].value.has_value();
     add(std::move(what), value, std::move(unit), limit, std::move(place),
         value > limit  ? light_names::bad
         : value > warn ? light_names::warn

@@ -23,7 +23,7 @@ namespace limberg {
 namespace {
 
 struct RunOptions {
-  std::string scene = "rhomboid", record, calibration, lesson, judge, continued, of_case;
+  std::string scene = "rhomboid", record, calibration, lesson, judge, continued, of_case, mode = "guided";
   std::vector<std::string> devices;
   double seconds = 0, cursor = 0;
   bool headless = false, replace = false, cut_at_end = false, slow_motion = false;
@@ -78,6 +78,18 @@ std::string lesson_file(const RunOptions& o) {
   if (!o.lesson.empty()) return o.lesson;
   return o.scene.find('/') == std::string::npos ? shipped_file("recordings/" + o.scene + ".jsonl") : "";
 }
+/// The lesson that the window teaches: that which judges, else the one shipped for the scene with its script.
+std::optional<Lesson> words_of(const RunOptions& o, const Scene& scene) {
+  if (!o.judge.empty()) return open_lesson(o.judge);
+  if (!o.lesson.empty()) return std::nullopt;
+  const std::string file = shipped_file("app/lessons/" + scene.name + ".toml");
+  return file.empty() ? std::nullopt : std::optional(open_lesson(file));
+}
+
+LessonMode mode_of(const std::string& name) {
+  return name == "free" ? LessonMode::free_hand : name == "examination" ? LessonMode::examination : LessonMode::guided;
+}
+
 /// Whether there is a hand that can be slowed down for.
 void check_slow_motion(const RunOptions& o, bool hand_waits) {
   if (hand_waits)
@@ -130,7 +142,9 @@ int run_session(const RunOptions& o) {
     w.recording = call.goes_on && o.record.empty() ? name_of_continuation(call.goes_on->file) : o.record;
     if (!o.common.out_dir.empty()) w.picture_dir = o.common.out_dir;
     call.keep_dir = w.picture_dir;
-    w.lesson = lesson;
+    w.script = lesson;
+    w.mode = mode_of(o.mode);
+    w.lesson = words_of(o, call.scene);
     call.window = [w](const Scene& scene, const std::string& word) mutable {
       w.word = word;
       return open_window(scene, w);
@@ -207,10 +221,15 @@ void add_run(CLI::App& app, Chosen& chosen) {
       "wall's, to a fifth, instead of steps being skipped");
   c->add_flag("--headless", o->headless, "No window");
   c->add_option("--lesson", o->lesson,
-                "Script whose steps the window's Next shows (default: the shipped one of the scene)")
+                "Script that the window teaches and shows (default: the shipped one of the scene)")
       ->type_name("SCRIPT");
   c->add_option("--judge", o->judge, "Judge the session by this lesson: its file, or the name of a shipped one")
       ->type_name("LESSON");
+  c->add_option("--mode", o->mode,
+                "Of the window: guided (plan on the skin, next step, words on what is off), free, or examination (no "
+                "hints, no plan, nothing is shown)")
+      ->type_name("MODE")
+      ->check(CLI::IsMember({"guided", "free", "examination"}));
   o->automatic.add(*c);
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c), o->common.add_repro(*c);
   c->footer(

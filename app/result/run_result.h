@@ -220,11 +220,13 @@ struct ResultLesson {
   MaybeList<ResultTolerance> tolerances;
   MaybeFlag all_met;
   MaybeList<std::string> steps, hints;
+  MaybeCount shown_acts;
+  MaybeList<std::string> to_do_better;
 };
 void fields(ResultLesson& x, auto&& f) {
   f("title", x.title), f("goal", x.goal), f("file", x.file), f("tolerances", x.tolerances);
   f("all_met", x.all_met), f("steps", x.steps);
-  f("hints", x.hints);
+  f("hints", x.hints), f("shown_acts", x.shown_acts), f("to_do_better", x.to_do_better);
 }
 
 /// pictures: files, relative to the result's folder.

@@ -2,6 +2,7 @@
 // Everything that passes between the threads of a session, in one place.
 //
 //     device ──ring: tool events, never dropped unsaid──► solver
+//     device ──ring: presses that came to nothing──────► render
 //     device ──triple buffer: where the hand is────────► solver, render
 //     solver ──triple buffer: the patient──────────────► device, render, and main while a step is shown
 //     solver ──ring: stages passed, acts done──────────► render
@@ -59,8 +60,9 @@ struct Channels {
   SpscRing<SolverTake> solver_takes{1 << 10};
   SpscRing<StateSample> states{1 << 6};  // one a second
   SpscRing<StageMark> stages{1 << 10};
-  SpscRing<Notice> notices{1 << 8};     // for a screen: where nobody empties it, later ones are dropped
-  std::atomic<bool> want_field{false};  // render asks the solver for the tension
+  SpscRing<Notice> notices{1 << 8};      // for a screen: where nobody empties it, later ones are dropped
+  SpscRing<MissedPress> missed{1 << 6};  // the same
+  std::atomic<bool> want_field{false};   // render asks the solver for the tension
   std::atomic<bool> want_lattice{false};
   std::atomic<bool> want_patient_shown{false};  // the main thread asks for patient_to_main
   TripleBuffer<HandState> hand_to_solver, hand_to_render;

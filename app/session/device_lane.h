@@ -42,6 +42,7 @@ class DeviceLane final : private EventSink, private SampleSink {
 
  private:
   bool push(const ToolEvent& e) override { return ch_.events.push(e); }
+  void missed(const MissedPress& m) override { ch_.missed.push(m); }
   void on_sample(const Sample& s) override {
     ++samples_;
     if (record_) ch_.samples.push(s);

@@ -1,18 +1,22 @@
 #pragma once
-// What the solver did with a command, for whoever shows the session: fixed size, passed through a ring.
+// What the solver did with a command, for whoever shows the session; passed through a ring.
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
+
+#include "sim/commands/command.h"
 
 namespace limberg {
 
 struct Notice {
-  enum Kind : int32_t { done, undone, redone, refused };
+  enum Kind : int32_t { done, undone, redone, refused, dropped };  // dropped: a gesture that was no act
   int32_t kind = done;
   double t_s = 0;                 // session time
   std::array<char, 24> action{};  // as in a script: "incise"
   std::array<char, 168>
-      text{};  // done: the act in a few words; refused: why. Ends with a zero, cut short where it is longer
+      text{};  // done: the act in a few words; refused, dropped: why. Ends with a zero, cut short where it is longer
+  std::shared_ptr<const Command> command;  // what was done or refused; of undo and redo these
 
   template <size_t n>
   static void put(std::array<char, n>& to, const std::string& from) {

@@ -35,6 +35,8 @@ class PictureSink {
   virtual void lattice(const LatticeShown& lattice) { (void)lattice; }
   /// Something was done, undone or refused (channels.h), in order, before the frame that shows it.
   virtual void notice(const Notice& notice) { (void)notice; }
+  /// A press came to nothing; `snapshot`: the patient as it is shown.
+  virtual void missed(const MissedPress& press, const Snapshot& snapshot) { (void)press, (void)snapshot; }
   /// False asks the session to end (a window was closed).
   virtual bool open() const { return true; }
 };

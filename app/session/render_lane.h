@@ -41,6 +41,7 @@ class RenderLane {
         drawn = true;
       }
       for (Notice n; ch_.notices.pop(n);) sink_->notice(n);
+      for (MissedPress m; ch_.missed.pop(m);) sink_->missed(m, s);
       ch_.want_lattice.store(sink_->wants_lattice(), std::memory_order_relaxed);
       ch_.want_field.store(sink_->wants_field(), std::memory_order_relaxed);
       if (frames_ && (sink_->wants_frame() || (new_patient && patient_changed(s)) || (new_hand && hand_changed()))) {

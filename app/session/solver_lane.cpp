@@ -140,7 +140,9 @@ void SolverLane::take(const ToolEvent& e, int64_t tick) {
   ++events_;
   if (e.seq > next_event_) event_gaps_ += e.seq - next_event_;
   next_event_ = e.seq + 1;
+  const int dropped = builder_.dropped();
   std::optional<Command> c = builder_.feed(e);
+  if (builder_.dropped() > dropped) notify_dropped(e, tick);
   const size_t hand = size_t(std::clamp(e.hand, 0, kHands - 1));
   if (e.kind == ToolEvent::hook_set || e.kind == ToolEvent::hook_take || e.kind == ToolEvent::bone_grab)
     held_since_[hand] = e.tick;
@@ -255,6 +257,22 @@ void SolverLane::notify(int32_t kind, const Command& c, const std::string& text,
   n.t_s = seconds(tick);
   Notice::put(n.action, action_name(c));
   Notice::put(n.text, text);
+  n.command = std::make_shared<const Command>(c);
+  ch_.notices.push(n);
+}
+
+// What the hand drew, and what the command builder found no act in.
+void SolverLane::notify_dropped(const ToolEvent& e, int64_t tick) {
+  Notice n;
+  n.kind = Notice::dropped;
+  n.t_s = seconds(tick);
+  const bool stroke = e.kind == ToolEvent::stroke_end, row = Tool(e.tool) == Tool::suture_row;
+  Notice::put(n.text,
+              !stroke || row
+                  ? "the row is given up: its second edge was not drawn; draw along both edges, one after the other"
+              : Tool(e.tool) == Tool::saw
+                  ? "the line on the bone is too short, or does not close; draw once round, with the button held"
+                  : "the stroke was too short to be a cut; hold the button and draw from one end to the other");
   ch_.notices.push(n);
 }
 

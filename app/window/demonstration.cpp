@@ -5,8 +5,6 @@
 #include "app/window/pointer_source.h"
 #include "devices/emulator.h"
 #include "devices/head_surgeon.h"
-#include "sim/commands/kinds.h"
-#include "sim/commands/strokes.h"
 
 namespace limberg {
 
@@ -23,18 +21,7 @@ SurgeonSettings steady_hand() {
 
 }  // namespace
 
-std::vector<std::vector<Command>> lesson_steps(const std::vector<Command>& script) {
-  std::vector<std::vector<Command>> steps;
-  for (const Command& c : join_strokes(script)) {
-    if (steps.empty() || !leaves_patient(c)) steps.emplace_back();
-    steps.back().push_back(c);
-  }
-  return steps;
-}
-
-bool Demonstration::begin(int64_t now_ns, const Snapshot& patient) {
-  if (next_ == lesson_.size()) return false;
-  const std::vector<Command>& step = lesson_[next_++];
+void Demonstration::begin(const std::vector<Command>& step, int64_t now_ns, const Snapshot& patient) {
   // What acts on bone, and everything where there is no skin, is shown by the hand for bone: with the stylus, as the
   // mouse is one.
   const bool bone = !patient.topology->body || std::any_of(step.begin(), step.end(), [](const Command& c) {
@@ -45,7 +32,6 @@ bool Demonstration::begin(int64_t now_ns, const Snapshot& patient) {
   else
     hand_ = std::make_unique<EmulatedSurgeon>(step, steady_hand());
   began_ns_ = now_ns;
-  return true;
 }
 
 bool Demonstration::poll(int64_t now_ns, const Snapshot& patient, SampleSink& sink) {

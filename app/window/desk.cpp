@@ -7,36 +7,21 @@
 #include <cmath>
 
 #include "app/session/pace_watch.h"
+#include "app/window/desk_look.h"
 #include "render/colour_map.h"
 #include "render/overlay.h"
+#include "sim/commands/kinds.h"
 #include "sim/measure/table.h"
 
 namespace limberg {
+
+using namespace desk_look;
 
 namespace {
 
 constexpr float kToolsWidth = 168, kPatientWidth = 268, kLanesHeight = 84;
 constexpr size_t kNotices = 200;
-const ImVec4 kQuiet{0.66f, 0.72f, 0.74f, 1}, kGood{0.55f, 0.85f, 0.60f, 1}, kWarn{0.97f, 0.72f, 0.35f, 1},
-    kBad{0.98f, 0.45f, 0.40f, 1};
-
-constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
-                                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoTitleBar;
-
-void heading(const char* text) {
-  ImGui::Spacing();
-  ImGui::TextColored(kQuiet, "%s", text);
-  ImGui::Separator();
-}
-
-// A line of a list: what goes before it stands alone on the left, its words wrap beside it.
-void listed(const ImVec4& colour, float indent, const char* before, const char* words) {
-  ImGui::PushStyleColor(ImGuiCol_Text, colour);
-  ImGui::TextUnformatted(before);
-  ImGui::SameLine(indent);
-  ImGui::TextWrapped("%s", words);
-  ImGui::PopStyleColor();
-}
+constexpr ImGuiWindowFlags kFixed = kPanel;
 
 // A lane's figure against its period: a bar and its number.
 void lane(const char* name, double ms, double period_ms, std::string note, bool may_last = false) {
@@ -53,6 +38,13 @@ void lane(const char* name, double ms, double period_ms, std::string note, bool 
   ImGui::PopStyleColor();
   ImGui::SameLine();
   ImGui::TextColored(kQuiet, "%s", note.c_str());
+}
+
+/// How far the tissue is from where it comes to rest.
+std::string rest_in_words(double distance_mm) {
+  constexpr double kAtRest_mm = 0.05, kFar_mm = 50;  // beyond it the estimate says no more than that
+  if (!(distance_mm < kFar_mm)) return "moving, far from rest";
+  return distance_mm < kAtRest_mm ? "at rest" : fmt::format("moving, about {:.1f} mm from rest", distance_mm);
 }
 
 // Two buttons side by side, as wide as there is room.
@@ -84,12 +76,23 @@ DeskStage desk_stage(int width, int height) {
 
 void Desk::notice(const Notice& n) {
   if (n.kind == Notice::done) state.head.hear(n.text.data());
-  const bool again =
-      !notices_.empty() && n.kind == Notice::done && notices_.back().kind == n.kind && notices_.back().text == n.text;
-  if (again) return;  // a further piece of the same stroke
+  if (n.command)
+    if (const auto* shown = std::get_if<Shown>(n.command.get())) {
+      shown_ = shown->begins;
+      return;
+    }
+  // A further piece of the same stroke.
+  const auto stroke = [](const Notice& x) {
+    const auto* piece = x.command ? std::get_if<InciseMore>(x.command.get()) : nullptr;
+    return piece ? piece->stroke : 0;
+  };
+  if (!notices_.empty() && n.kind == Notice::done && stroke(n) > 0 && stroke(n) == stroke(notices_.back())) return;
   notices_.push_back(n);
+  if (shown_ && n.kind == Notice::done) Notice::put(notices_.back().text, "shown: " + std::string(n.text.data()));
   if (notices_.size() > kNotices) notices_.pop_front();
-  last_word_ = n.kind == Notice::refused ? std::string(n.action.data()) + " refused: " + n.text.data() : "";
+  last_word_ = n.kind == Notice::refused   ? std::string(n.action.data()) + " refused: " + n.text.data()
+               : n.kind == Notice::dropped ? n.text.data()
+                                           : "";
 }
 
 // What the device does, and what to do when it does nothing.
@@ -125,7 +128,8 @@ void Desk::tools(const DeskReading& r, int height) {
   heading("TOOLS");
   for (const DeskTool& t : kDeskTools)
     if ((t.tool == Tool::none || (acts_on_bone(t.tool) ? facts_.head : facts_.skin)) &&
-        ImGui::Selectable(fmt::format("{}  {}", char(t.key), t.name).c_str(), state.tool == t.tool && !state.ruler))
+        ImGui::Selectable(fmt::format("{}  {}", char(t.key), t.name).c_str(),
+                          r.hand_tool.value_or(state.tool) == t.tool && !state.ruler))
       choose(t.tool);
   ImGui::PushItemWidth(-1);
   for (const ToolSlider& k : tool_sliders(state.tool, facts_.max_depth_mm)) {
@@ -202,23 +206,9 @@ void Desk::patient(const DeskReading& r, int width, int height) {
     ImGui::TextWrapped("%s", facts_.goal.c_str());
     ImGui::Spacing();
   }
-  if (!facts_.lesson.empty()) {
-    heading("LESSON");
-    ImGui::BeginChild("lesson", {0, std::min(0.28f * float(height), 6.0f + 21.0f * float(facts_.lesson.size()))});
-    for (size_t i = 0; i < facts_.lesson.size(); ++i) {
-      const bool begun = int(i) < r.lesson_begun, now = int(i) + 1 == r.lesson_begun && r.showing;
-      listed(now ? kWarn : begun ? kGood : kQuiet, 26, std::to_string(i + 1).c_str(), facts_.lesson[i].c_str());
-      if (now) ImGui::SetScrollHereY();
-    }
-    ImGui::EndChild();
-    const bool more = r.lesson_begun < int(facts_.lesson.size());
-    if (ImGui::Button(r.showing ? "being shown ..."
-                      : more    ? "Next: show me   N"
-                                : "the lesson is done",
-                      {-1, 0}) &&
-        more && !r.showing)
-      state.next = true;
-  }
+  if (r.coach && !r.coach->plan().steps.empty())
+    state.lesson.steps(*r.coach, r.coach->plan().title.empty() ? "LESSON" : r.coach->plan().title.c_str(),
+                       float(height), r.showing, state.next, state.next_clean, state.summary);
 
   if (!s.figures.empty()) {
     heading("HEAD");
@@ -236,7 +226,8 @@ void Desk::patient(const DeskReading& r, int width, int height) {
   else {
     double sum = 0;
     for (const SutureState& x : s.sutures) sum += double(x.force_N);
-    ImGui::Text("%d stitches, %.2f N together", int(s.sutures.size()), sum);
+    const int n = int(s.sutures.size());
+    ImGui::Text("%d %s, %.2f N%s", n, n == 1 ? "stitch" : "stitches", sum, n == 1 ? "" : " together");
     if (ImGui::BeginTable("sutures", 3, ImGuiTableFlags_RowBg | ImGuiTableFlags_ScrollY,
                           {0, std::min(0.25f * float(height), 26.0f + 21.0f * float(s.sutures.size()))})) {
       ImGui::TableSetupScrollFreeze(0, 1);
@@ -261,11 +252,25 @@ void Desk::patient(const DeskReading& r, int width, int height) {
     }
     ImGui::TextColored(kQuiet, "limits %.3g and %.3g N", kSutureForce_N.warn, kSutureForce_N.bad);
   }
-  if (!s.hooks.empty()) {
-    heading("HOOKS");
-    for (const HookState& h : s.hooks) ImGui::Text("%d   %.2f N", h.id, double(h.force_N.norm()));
-  }
+  hooks(s);
+  done_list();
+  ImGui::End();
+}
 
+void Desk::hooks(const Snapshot& s) {
+  if (s.hooks.empty()) return;
+  heading("HOOKS");
+  for (const HookState& h : s.hooks) {
+    ImGui::PushID(h.id);
+    ImGui::AlignTextToFramePadding();
+    ImGui::Text("%d   %.2f N", h.id, double(h.force_N.norm()));
+    ImGui::SameLine(110);
+    if (ImGui::SmallButton("let go")) state.release_hook = h.id;
+    ImGui::PopID();
+  }
+}
+
+void Desk::done_list() {
   heading("DONE");
   ImGui::BeginChild("done", {0, -2});
   for (const Notice& n : notices_) {
@@ -273,13 +278,14 @@ void Desk::patient(const DeskReading& r, int width, int height) {
                        : n.kind == Notice::redone ? "done again"
                                                   : n.text.data();
     const std::string when = fmt::format("{:.1f} s", n.t_s);
-    const bool refused = n.kind == Notice::refused;
-    listed(refused ? kBad : ImGui::GetStyleColorVec4(ImGuiCol_Text), 58, when.c_str(),
-           refused ? (std::string(n.action.data()) + " refused: " + n.text.data()).c_str() : mark);
+    const bool refused = n.kind == Notice::refused, dropped = n.kind == Notice::dropped;
+    listed(refused   ? kBad
+           : dropped ? kWarn
+                     : ImGui::GetStyleColorVec4(ImGuiCol_Text),
+           58, when.c_str(), refused ? (std::string(n.action.data()) + " refused: " + n.text.data()).c_str() : mark);
   }
   if (ImGui::GetScrollY() >= ImGui::GetScrollMaxY() - 4) ImGui::SetScrollHereY(1);
   ImGui::EndChild();
-  ImGui::End();
 }
 
 void Desk::lanes(const DeskReading& r, int width, int height) {
@@ -295,7 +301,7 @@ void Desk::lanes(const DeskReading& r, int width, int height) {
                      r.samples_per_s));
     const double pace = 1e-3 * double(LaneGauges::get(g.pace_permille));
     lane("patient", ms(g.solver_ns), 16,
-         fmt::format("residual {:.1e}, about {:.2g} mm from equilibrium{}{}", s.residual, s.distance_mm,
+         fmt::format("{}; residual {:.1e}{}{}", rest_in_words(double(s.distance_mm)), s.residual,
                      pace < SlowWatch::kSlowed ? "; " : "", pace < SlowWatch::kSlowed ? SlowWatch::words(pace) : ""));
     const std::string seen =
         fmt::format("shows what was {} ms ago", std::max<int64_t>(0, LaneGauges::get(g.tick) - s.device_tick));
@@ -311,22 +317,31 @@ void Desk::lanes(const DeskReading& r, int width, int height) {
     lane("picture", ms(g.frame_ns), 33, note, r.at_leisure);
   }
   ImGui::End();
-  if (!last_word_.empty()) {
+  float word_height = 0;
+  const CoachSays* says = r.coach ? &r.coach->says() : nullptr;
+  const std::string& word = says && !says->word.empty() ? says->word : last_word_;
+  if (!word.empty() && !state.summary) {
     ImGui::SetNextWindowPos({x + 0.5f * w, float(height) - kLanesHeight - 8}, ImGuiCond_Always, {0.5f, 1});
     ImGui::SetNextWindowBgAlpha(0.85f);
     ImGui::SetNextWindowSizeConstraints({200, 0}, {0.9f * w, 200});
     ImGui::Begin("word", nullptr, kFixed | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs);
     ImGui::PushTextWrapPos(0.86f * w);
-    ImGui::TextUnformatted(last_word_.c_str());
+    const bool coached = says && &word == &says->word;
+    ImGui::PushStyleColor(ImGuiCol_Text, !coached ? kNow : says->word_is_praise ? kGood : kWarn);
+    ImGui::TextUnformatted(word.c_str());
+    ImGui::PopStyleColor();
     ImGui::PopTextWrapPos();
+    word_height = ImGui::GetWindowHeight() + 6;
     ImGui::End();
   }
+  if (r.coach) state.lesson.stroke(*r.coach, x, w, float(height) - kLanesHeight - 8 - word_height);
 }
 
 void Desk::legend(const DeskReading& r, int width, int height) {
   if (!r.field || r.field->value.empty()) return;
   const SkinFieldLook& look = r.look ? *r.look : look_of(state.field);
-  const float left = float(width) - kPatientWidth - 128, top = 0.16f * float(height), bar = 0.42f * float(height);
+  const float left = float(width) - kPatientWidth - 128, top = std::max(0.16f * float(height), stage_top_ + 8),
+              bar = 0.42f * float(height);
   ImGui::SetNextWindowPos({left, top});
   ImGui::SetNextWindowSize({120, bar + 108});
   ImGui::SetNextWindowBgAlpha(0.88f);
@@ -384,30 +399,46 @@ void Desk::draw(const DeskReading& r, const std::vector<Vec3f>& ruler_px, int wi
   ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0);
   tools(r, height);
   patient(r, width, height);
+  stage_top_ = 0;
+  if (const float w = float(width) - kToolsWidth - kPatientWidth; r.coach && w >= 200)
+    stage_top_ = state.lesson.next_step(*r.coach, kToolsWidth, 0, w, covered_);
   lanes(r, width, height);
   legend(r, width, height);
   ImGui::PopStyleVar(2);
   help(width, height);
+  if (r.coach) state.lesson.summary(*r.coach, width, height, state.summary, covered_);
   popup_ = ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup);
 
   if (state.compare != Compare::off) {
     const DeskStage g = desk_stage(width, height);
     const bool wipe = state.compare == Compare::wipe;
+    const char *const earlier = r.earlier_try ? "earlier try" : "before", *const later =
+                                                                              r.earlier_try ? "this try" : "after";
     const float left = g.u0 * float(width), right = g.u1 * float(width),
                 border = wipe ? left + state.wipe * (right - left) : 0.5f * (left + right);
     ImDrawList& d = *ImGui::GetBackgroundDrawList();
     const ImU32 ink = IM_COL32(240, 245, 245, 230);
     d.AddLine({border, 0}, {border, g.v1 * float(height)}, ink, 1.5f);
     for (const auto& [word, x] :
-         {std::pair("before", border - 10 - ImGui::CalcTextSize("before").x), std::pair("after", border + 10)}) {
+         {std::pair(earlier, border - 10 - ImGui::CalcTextSize(earlier).x), std::pair(later, border + 10)}) {
       const ImVec2 size = ImGui::CalcTextSize(word);
       if (x < left || x + size.x > right) continue;
-      d.AddRectFilled({x - 5, 7}, {x + size.x + 5, 13 + size.y}, IM_COL32(15, 22, 26, 170), 3);
-      d.AddText({x, 10}, ink, word);
+      const float y = stage_top_;
+      d.AddRectFilled({x - 5, y + 7}, {x + size.x + 5, y + 13 + size.y}, IM_COL32(15, 22, 26, 170), 3);
+      d.AddText({x, y + 10}, ink, word);
     }
   }
   for (const DeskMark& m : r.marks) {
     ImDrawList& d = *ImGui::GetBackgroundDrawList();
+    if (m.kind != DeskMark::Kind::landmark) {  // a letter beside its corner, the name of a limit
+      if (m.hidden) continue;
+      const ImVec2 size = ImGui::CalcTextSize(m.name.c_str());
+      const ImU32 paper = m.kind == DeskMark::Kind::limit ? IM_COL32(120, 12, 12, 225) : IM_COL32(62, 24, 98, 225);
+      const float x = m.x + 7, y = m.y - 20;
+      d.AddRectFilled({x - 4, y - 1}, {x + size.x + 4, y + size.y + 1}, paper, 4);
+      d.AddText({x, y}, IM_COL32(250, 250, 250, 255), m.name.c_str());
+      continue;
+    }
     const ImU32 ink = m.hidden ? IM_COL32(140, 225, 255, 110) : IM_COL32(140, 225, 255, 255);
     if (m.hidden)
       d.AddCircle({m.x, m.y}, 4, ink, 12, 1.5f);

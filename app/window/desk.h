@@ -3,6 +3,7 @@
 // GL, threads or devices: WindowFrames (window_frames.h) feeds it and carries out what it asks for.
 #include <array>
 #include <deque>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "app/session/gauges.h"
 #include "app/session/notice.h"
 #include "app/window/desk_head.h"
+#include "app/window/desk_lesson.h"
 #include "app/window/hand_feed.h"
 #include "app/window/ruler.h"
 #include "app/window/screen.h"
@@ -28,7 +30,6 @@ inline constexpr std::array<float, 4> kPaper{0.07f, 0.10f, 0.115f, 1};
 struct DeskFacts {
   std::string scene, device, recording;  // recording: its file, empty when nothing is recorded
   std::string goal;                      // of the lesson, or the scene's note
-  std::vector<std::string> lesson;       // its steps, in words
   bool head = false, skin = true;        // what the scene holds
   double max_depth_mm = 9;
   bool own_device = false;  // another than the mouse
@@ -48,8 +49,12 @@ struct DeskState : HandChoice {
   float wipe = 0.5f;
   Stereo stereo = Stereo::off;
   DeskHead head;
+  DeskLesson lesson;
+  bool summary = false;  // how the lesson's try went
+  int release_hook = 0;  // asked for in this frame: its number
   // Asked for in this frame:
-  bool tool_changed = false, undo = false, redo = false, next = false, picture = false, home = false;
+  bool tool_changed = false, undo = false, redo = false, next = false, next_clean = false, picture = false,
+       home = false;
 };
 
 /// A named place in the frame.
@@ -57,6 +62,11 @@ struct DeskMark {
   float x = 0, y = 0;
   std::string name;
   bool hidden = false;  // something lies before it
+  enum class Kind : uint8_t {
+    landmark,
+    letter,
+    limit
+  } kind = Kind::landmark;  // of a head, or of the drawing of a plan
 };
 
 /// What is read off in this frame.
@@ -64,14 +74,16 @@ struct DeskReading {
   const Snapshot* shown = nullptr;
   const LaneGauges* gauges = nullptr;
   Ruler::Reading ruler;
-  int lesson_begun = 0;
+  const Coach* coach = nullptr;  // of a lesson; null: there is none
+  bool earlier_try = false;      // it is what comparisons are with
   bool showing = false;
+  std::optional<Tool> hand_tool;  // what the hand has that is there, where it is not the mouse's choice
   bool at_leisure = false;  // nothing moves: the picture was drawn as finely as a window can, and may take its time
   const FieldShown* field = nullptr;    // what is shown in colours; null or empty: nothing
   const SkinFieldLook* look = nullptr;  // of what is shown, where it is none of the fields of skin
   double samples_per_s = 0, pictures_per_s = 0;
   const std::vector<HeadMeasure>* measures = nullptr;  // of a head
-  std::vector<DeskMark> marks;                         // its landmarks
+  std::vector<DeskMark> marks;                         // its landmarks; letters of a plan
 };
 
 class Desk {
@@ -100,6 +112,8 @@ class Desk {
   void lanes(const DeskReading& r, int width, int height);
   void legend(const DeskReading& r, int width, int height);
   void help(int width, int height);
+  void done_list();
+  void hooks(const Snapshot& s);
   void device(const DeskReading& r);
   void choose(Tool tool);
   void choose_field(SkinField field);
@@ -107,6 +121,8 @@ class Desk {
 
   DeskFacts facts_;
   std::deque<Notice> notices_;
+  bool shown_ = false;   // what is heard of is shown by the program
+  float stage_top_ = 0;  // where the words over the patient end
   std::string last_word_;
   std::vector<FrameRect> covered_;
   bool popup_ = false;

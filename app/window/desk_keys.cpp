@@ -90,8 +90,8 @@ const std::vector<DeskKey>& Desk::keys() {
        false,
        HandKey::none,
        [](Desk& d, uint32_t) {
-         if (d.state.help)
-           d.state.help = false;
+         if (d.state.help || d.state.summary)
+           d.state.help = d.state.summary = false;
          else
            d.choose(Tool::none), d.state.ruler = false;
        }},
@@ -103,7 +103,18 @@ const std::vector<DeskKey>& Desk::keys() {
        [](Desk& d, uint32_t) { turn_on(d.state.face, 3); }},
       {"Ctrl+Z", "undo; with Shift: redo", {'Z'}, true, HandKey::undo},
       {"Ctrl+Y", "redo", {'Y'}, true, HandKey::redo},
-      {"N", "show me the next step of the lesson", {'N'}, false, HandKey::next},
+      {"N, Shift+N",
+       "show me the next act of the lesson, from what I have done; with Shift: from the plan, what is off taken back",
+       {'N'},
+       false,
+       HandKey::none,
+       [](Desk& d, uint32_t mods) { (mods & WindowEvent::shift ? d.state.next_clean : d.state.next) = true; }},
+      {"J",
+       "how this try went, beside earlier ones",
+       {'J'},
+       false,
+       HandKey::none,
+       [](Desk& d, uint32_t) { d.state.summary = !d.state.summary; }},
       {"T",
        "colours: tension of the skin (of a head: how far the face has moved), off",
        {'T'},

@@ -47,7 +47,7 @@ std::vector<ToolSlider> tool_sliders(Tool tool, double max_depth_mm);
 /// As the control that tells the device side of it.
 ControlSample control_of(const HandChoice& choice);
 
-enum class HandKey { none, tool, undo, redo, next, clutch, glove, gain };
+enum class HandKey { none, tool, undo, redo, clutch, glove, gain };
 
 class Desk;
 

@@ -30,9 +30,13 @@ struct PointerReading {
 /// shows a step. Times and numbers of samples are set by whoever hands them on.
 using HandInput = std::variant<PointerReading, ControlSample, StylusSample, CommandSample>;
 
-/// What panels may ask for: a tool, another control, a command, to be shown the next step.
-struct ShowNext {};
-using PanelAnswer = std::variant<HandChoice, ControlSample, ShowNext, CommandSample>;
+/// What is to be shown by an emulated hand: so many acts are taken back, then these are done. Without acts that is all.
+struct ShowActs {
+  int undos = 0;
+  std::shared_ptr<const std::vector<Command>> acts;  // null: none
+};
+/// What panels may ask for: a tool, another control, a command, to be shown something.
+using PanelAnswer = std::variant<HandChoice, ControlSample, ShowActs, CommandSample>;
 
 /// A rectangle of the frame, in pixels.
 struct FrameRect {
@@ -61,8 +65,7 @@ struct HandFeed {
   std::atomic<uint64_t> answered{0};        // render -> main: the number of the last event whose answers are there
   TripleBuffer<FrameSeen> seen;             // render -> main
   std::atomic<bool> keep_recording{false};  // render -> main
-  std::atomic<int> next_begun{0};           // main -> render: so many steps of the lesson were begun
-  std::atomic<bool> showing{false};         // main -> render, device: one is being shown
+  std::atomic<bool> showing{false};         // main -> render, device: something is being shown
 };
 
 }  // namespace limberg

@@ -40,10 +40,12 @@ void InputRouter::hear_panels() {
       send(*control);
     else if (const auto* command = std::get_if<CommandSample>(&a))
       send(*command);
-    else
-      next_wanted_ = !feed_.showing;
+    else if (!feed_.showing)
+      wanted_ = std::get<ShowActs>(a);
   }
 }
+
+void InputRouter::tell(const Command& command) { send(command_sample(command)); }
 
 void InputRouter::go_on() {
   while (!waiting_.empty()) {
@@ -133,8 +135,6 @@ void InputRouter::key(const DeskKey& k, const WindowEvent& e) {
     if (tool == choice_.tool) return;
     choice_.tool = tool;
     choose();
-  } else if (k.hand == HandKey::next) {
-    next_wanted_ = !feed_.showing;
   } else {
     const bool redo = k.hand == HandKey::redo || (e.mods & WindowEvent::shift);
     control(redo ? ControlSample::redo : ControlSample::undo);
@@ -153,17 +153,31 @@ void InputRouter::point(const Happened& h) {
   if (!feed_.showing) send(last_);
 }
 
+/// Brackets around what is shown: it is not the learner's, in the recording too (sim/commands/authorship.h).
+void InputRouter::begin_showing(const Snapshot& patient) {
+  constexpr uint64_t kStepsOfUndo = 3;  // of the patient, until what was taken back is gone
+  tell(Shown{true});
+  ControlSample undo;
+  undo.kind = ControlSample::undo;
+  for (int i = 0; i < wanted_->undos; ++i) send(undo);
+  acts_ = wanted_->acts;
+  shown_after_ = patient.step + (wanted_->undos > 0 ? kStepsOfUndo : 0);
+  wanted_.reset();
+  feed_.showing = true;
+  begun_ = false;
+}
+
 void InputRouter::show(int64_t now_ns) {
-  const bool wanted = feed_.showing || next_wanted_;
+  const bool wanted = feed_.showing || wanted_;
   const Snapshot* patient = look_ ? look_(wanted) : nullptr;
   if (!patient || !patient->topology) return;
-  if (next_wanted_ && !feed_.showing && !pressed_) {
-    next_wanted_ = false;
-    if (!shown_.begin(now_ns, *patient)) return;
-    feed_.next_begun.store(shown_.begun());
-    feed_.showing = true;
-  }
+  if (wanted_ && !feed_.showing && !pressed_) begin_showing(*patient);
   if (!feed_.showing) return;
+  if (!begun_) {
+    if (patient->step < shown_after_) return;
+    begun_ = true;
+    if (acts_) shown_.begin(*acts_, now_ns, *patient);
+  }
   struct Sink final : SampleSink {
     InputRouter& router;
     explicit Sink(InputRouter& r) : router(r) {}
@@ -178,6 +192,8 @@ void InputRouter::show(int64_t now_ns) {
   } sink(*this);
   if (shown_.poll(now_ns, *patient, sink)) return;
   // The mouse has its own tool again.
+  acts_.reset();
+  tell(Shown{false});
   feed_.showing = false;
   choose();
   if (mouse_) send(last_);

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "app/window/demonstration.h"
@@ -22,9 +23,8 @@ namespace limberg {
 
 class InputRouter {
  public:
-  /// `lesson`: the steps that "next" shows. `mouse`: the mouse uses tools (else it only chooses and looks).
-  InputRouter(Screen& screen, HandFeed& feed, std::vector<std::vector<Command>> lesson = {}, bool mouse = true)
-      : screen_(screen), feed_(feed), shown_(std::move(lesson)), mouse_(mouse) {}
+  /// `mouse`: the mouse uses tools (else it only chooses and looks).
+  InputRouter(Screen& screen, HandFeed& feed, bool mouse = true) : screen_(screen), feed_(feed), mouse_(mouse) {}
   /// Where the hand that shows sees the patient. Called with whether it looks; null: not yet.
   using Look = std::function<const Snapshot*(bool wanted)>;
   void look_with(Look look) { look_ = std::move(look); }
@@ -48,6 +48,8 @@ class InputRouter {
   void choose();
   void send(const HandInput& input);
   void show(int64_t now_ns);
+  void begin_showing(const Snapshot& patient);
+  void tell(const Command& command);
 
   Screen& screen_;
   HandFeed& feed_;
@@ -58,8 +60,12 @@ class InputRouter {
   uint64_t number_ = 0, asked_ = 0;  // of the last event; of the last one that panels may answer
   float x_ = 0, y_ = 0;
   bool of_panel_[3]{};  // the button went down on a panel
-  bool pressed_ = false, clutch_ = false, next_wanted_ = false, glove_cursor_ = false;
-  size_t gain_ = 0;  // of the glove's hand, in kHandGains
+  bool pressed_ = false, clutch_ = false, glove_cursor_ = false;
+  std::optional<ShowActs> wanted_;                    // to be shown as soon as the hand has let go
+  std::shared_ptr<const std::vector<Command>> acts_;  // being shown, or as soon as what was taken back is gone
+  bool begun_ = false;                                // the hand that shows them is there
+  uint64_t shown_after_ = 0;                          // the step of the patient after which they may begin
+  size_t gain_ = 0;                                   // of the glove's hand, in kHandGains
   float lift_mm_ = 0;
   HandChoice choice_;
   std::vector<std::shared_ptr<const Command>> told_;  // kept until the session has ended (CommandSample)

@@ -7,7 +7,6 @@
 #include "app/window/pointer_source.h"
 #include "app/window/waiting.h"
 #include "app/window/window_frames.h"
-#include "sim/commands/words.h"
 
 namespace limberg {
 
@@ -19,12 +18,16 @@ DeskFacts facts(const Scene& scene, const WindowCall& call) {
   f.device = call.device.empty() ? "mouse" : call.device;
   f.own_device = call.own_device, f.calibrated = call.calibrated;
   f.recording = call.recording;
-  f.goal = call.goal.empty() ? scene.note : call.goal;
-  for (const std::vector<Command>& step : lesson_steps(call.lesson)) f.lesson.push_back(in_words(step.front()));
+  f.goal = call.lesson ? call.lesson->goal : scene.note;
   f.head = scene.head.has_value(), f.skin = scene.flesh;
   f.max_depth_mm = scene.tools.max_depth_mm;
   f.word = call.word;
   return f;
+}
+
+std::optional<LessonPlan> plan(const WindowCall& call) {
+  if (call.script.empty()) return std::nullopt;
+  return make_lesson_plan(call.lesson ? &*call.lesson : nullptr, call.script);
 }
 
 class MouseWindow final : public SessionWindow {
@@ -32,8 +35,9 @@ class MouseWindow final : public SessionWindow {
   MouseWindow(const Scene& scene, const WindowCall& call)
       : mouse_(call.mouse),
         screen_(open_glfw_screen("Limberg: " + scene.name, 1280, 720)),
-        router_(*screen_, feed_, lesson_steps(call.lesson), call.mouse),
-        frames_(*screen_, feed_, &gauges_, {facts(scene, call), scene_camera(scene), call.picture_dir}) {
+        router_(*screen_, feed_, call.mouse),
+        frames_(*screen_, feed_, &gauges_,
+                {facts(scene, call), scene_camera(scene), call.picture_dir, plan(call), call.mode}) {
     show_words(*screen_, scene.head ? "Making the head ..." : "Making the patient ...");
     screen_->on_event = [this](const WindowEvent& e) { router_.take(e); };
   }

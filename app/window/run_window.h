@@ -2,10 +2,13 @@
 // A session with a window: what `limberg run` makes unless it is told not to. Built everywhere; where the program was
 // built without a window (LIMBERG_WINDOW=OFF) open_window says so.
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "app/assembly/lesson.h"
 #include "app/scene/scene.h"
 #include "app/session/session.h"
+#include "app/teaching/coach.h"
 
 namespace limberg {
 
@@ -15,10 +18,11 @@ struct WindowCall {
   bool calibrated = false;  // a calibration of it was given, or it needs none
   std::string recording;    // the file, or empty
   std::string picture_dir = ".";
-  std::string goal;
-  std::vector<Command> lesson;  // what "next" shows, step by step; may be empty
-  std::string word;             // said first; may be empty
-  bool mouse = true;            // the mouse uses tools (else it only chooses and looks)
+  std::vector<Command> script;   // what the lesson shows; may be empty
+  std::optional<Lesson> lesson;  // its words, its plan, its tolerances
+  LessonMode mode = LessonMode::guided;
+  std::string word;   // said first; may be empty
+  bool mouse = true;  // the mouse uses tools (else it only chooses and looks)
 };
 
 /// The window, its picture sink and its device. Belongs to the main thread, outlives the session.

@@ -12,9 +12,11 @@
 #include "app/pictures/pictures.h"
 #include "app/result/progress.h"
 #include "app/session/pace_watch.h"
+#include "app/teaching/why_missed.h"
 #include "app/window/live_measures.h"
 #include "app/window/orbit.h"
 #include "app/window/painted.h"
+#include "app/window/plan_sheet.h"
 #include "app/window/ray_cast.h"
 #include "app/window/skull_view.h"
 #include "render/picture.h"
@@ -32,7 +34,8 @@ constexpr float kRadiansPerPixel = 0.008f;
 constexpr double kFrameBudget_ms = 22;  // two thirds of the frame's period: the rest is for the desktop and for jitter
 constexpr int kStillCalls = 10;         // a third of a second without a change: the picture may be drawn at leisure
 constexpr int kStillLevel = kLiveLevels - 1;
-constexpr int kRefreshFrames = 15;  // the figures on the panels move twice a second even when nothing else does
+constexpr float kClearTool_mm = 14;  // so far above its tip a tool begins to be seen through
+constexpr int kRefreshFrames = 15;   // the figures on the panels move twice a second even when nothing else does
 
 int imgui_key(int32_t code) {
   switch (code) {
@@ -95,6 +98,13 @@ struct WindowFrames::Impl {
   Desk desk;
   Ruler ruler;
   LiveMeasures measures;
+  std::optional<Coach> coach;
+  PlanSheet sheet;
+  size_t staged = 0;                    // steps of the lesson whose stage was told
+  std::optional<Snapshot> earlier_try;  // as it was left; before and after compare with it
+  const Snapshot* now = nullptr;        // during a frame
+  ToolState hand;
+  Vec3f guarded_mm = Vec3f::Constant(1e9f);  // the eye when it was kept out of the tissue last
   SkullView skull;
   bool skull_shown = false;
   SceneBuilder skull_builder;
@@ -129,7 +139,10 @@ struct WindowFrames::Impl {
   int pictures = 0;
 
   Impl(HandFeed& f, const LaneGauges* g, WindowSettings s)
-      : feed(f), gauges(g), set(std::move(s)), desk(set.facts), camera(set.camera) {}
+      : feed(f), gauges(g), set(std::move(s)), desk(set.facts), camera(set.camera) {
+    if (set.lesson) coach.emplace(std::move(*set.lesson), set.mode);
+    desk.state.tension_lines = coach && coach->mode() == LessonMode::guided && set.facts.skin && !set.facts.head;
+  }
 
   /// The camera for a frame of this shape: a narrow one sees as much from left to right as one of 5 by 4.
   Camera seen(double aspect) const {
@@ -237,7 +250,13 @@ struct WindowFrames::Impl {
     if (d.tool_changed) feed.answers.push(static_cast<const HandChoice&>(d));
     if (d.undo) plain(ControlSample::undo);
     if (d.redo) plain(ControlSample::redo);
-    if (d.next) feed.answers.push(ShowNext{});
+    if (d.release_hook > 0) {
+      ControlSample c;
+      c.kind = ControlSample::release_hook, c.value[0] = d.release_hook;
+      control(c);
+      d.release_hook = 0;
+    }
+    if (coach) teach();
     if (d.home) camera = set.camera;
     if (!d.ruler) ruler.clear();
     if (d.head.tie)
@@ -245,7 +264,79 @@ struct WindowFrames::Impl {
     if (const auto c = d.head.laid_upon()) give(*c);
     for (const Command& c : d.head.asked()) give(c);
     d.head.ask = DeskHead::Ask::nothing;
-    d.tool_changed = d.undo = d.redo = d.next = d.home = d.head.tie = false;
+    d.tool_changed = d.undo = d.redo = d.next = d.next_clean = d.home = d.head.tie = false;
+  }
+
+  /// What was asked of the coach, and the stages that were reached.
+  void teach() {
+    DeskState& d = desk.state;
+    if (d.lesson.mode) coach->set_mode(*d.lesson.mode);
+    if (d.lesson.answer > 0) coach->answer(d.lesson.answer);
+    if ((d.next || d.next_clean) && !feed.showing) {
+      const Showing show = coach->showing(d.next_clean);
+      if (show.acts.empty())
+        desk.say(coach->mode() == LessonMode::examination ? "In an examination nothing is shown."
+                                                          : "There is nothing more to show.");
+      else
+        feed.answers.push(ShowActs{show.undos, std::make_shared<const std::vector<Command>>(show.acts)});
+    }
+    if (d.lesson.again && !feed.showing) {
+      if (now) earlier_try = *now;
+      if (const int undos = coach->try_again(); undos > 0) feed.answers.push(ShowActs{undos, nullptr});
+      staged = 0, d.summary = false;
+    }
+    d.lesson.again = false, d.lesson.answer = 0, d.lesson.mode.reset();
+    // Stages of the session are those of the lesson.
+    const auto& steps = coach->says().steps;
+    for (; staged < std::min(coach->says().step, steps.size()); ++staged) {
+      ControlSample c;
+      c.kind = ControlSample::stage, c.value[0] = double(staged) + 1, c.text = ShortText(steps[staged].name);
+      feed.answers.push(c);
+      if (staged + 1 == steps.size()) d.summary = coach->mode() != LessonMode::free_hand;
+    }
+  }
+
+  /// On a body that is not flat the first view is of the lesson's plan, wherever the scene's camera looks.
+  void look_at_plan(const Snapshot& s) {
+    constexpr double kSeen = 0.55;                     // cosine: so obliquely is a plan still seen well
+    constexpr float kShare = 0.4f, kNearest_mm = 130;  // of the height of the picture that the plan fills
+    if (!has_surface(s) || !s.topology->body || s.topology->body->is_box) return;
+    SkinChart chart;
+    chart.build(*s.topology);
+    Vec3 centre = Vec3::Zero(), normal = Vec3::Zero();
+    std::vector<Vec3> places;
+    for (const PlannedAct& a : coach->plan().acts)
+      if (const auto line = drawn_line(a.command))
+        for (const ChartPoint& p : line->path)
+          if (const SkinTouch at = chart.at(s, p, 2); at.triangle >= 0)
+            places.push_back(at.x_mm), centre += at.x_mm, normal += at.normal;
+    if (places.size() < 2 || !(normal.norm() > 1e-6)) return;
+    centre /= double(places.size()), normal.normalize();
+    double reach = 0;
+    for (const Vec3& p : places) reach = std::max(reach, (p - centre).norm());
+    if ((camera.eye_mm.cast<double>() - centre).normalized().dot(normal) > kSeen &&
+        (camera.eye_mm.cast<double>() - centre).norm() < 12 * reach)
+      return;
+    const float half = std::tan(0.5f * camera.fov_deg * float(M_PI) / 180);
+    const float far_mm = std::max(kNearest_mm, float(reach) / (kShare * half));
+    camera.target_mm = centre.cast<float>(), camera.eye_mm = (centre + double(far_mm) * normal).cast<float>();
+    approach(camera, 1);
+    set.camera = camera;
+  }
+
+  /// The eye stays outside of the tissue: on the way from what is looked at it stops 12 mm before the outermost skin.
+  void keep_out(const Snapshot& s) {
+    constexpr float kFar_mm = 3000, kRoom_mm = 12;
+    if (!has_surface(s) || (camera.eye_mm - guarded_mm).norm() < 1e-3f) return;
+    const Vec3f arm = camera.eye_mm - camera.target_mm;
+    const float far_mm = arm.norm();
+    if (far_mm > 0) {
+      const Vec3f out = arm / far_mm;
+      const RayHit hit = cast_ray(s, camera.target_mm + kFar_mm * out, -out, desk.state.face == 2);
+      const float least = kFar_mm - hit.distance_mm + kRoom_mm;
+      if (hit.triangle >= 0 && far_mm < least) approach(camera, least / far_mm);
+    }
+    guarded_mm = camera.eye_mm;
   }
 
   /// What the person sees now, and that everything up to the last event has been answered.
@@ -287,6 +378,8 @@ struct WindowFrames::Impl {
       o.iso_lines = desk.state.iso_lines ? field->intervals : 0;
     }
     o.face = FaceLook(desk.state.face);
+    o.clear_tool_mm = kClearTool_mm;
+    for (int i = 0; i < 3; ++i) o.tool_tip_mm[i] = float(hand.tip_mm[i]);
     if (skull_shown) {  // drawn as a face: 0 to 5 mm
       o.colour_field = true, o.scale = ColourScale::magnitude, o.field_min = 0, o.field_max = kSkullScale_mm,
       o.iso_lines = 5;
@@ -310,6 +403,16 @@ struct WindowFrames::Impl {
     constexpr float kBefore_mm = 2;
     std::vector<DeskMark> out;
     if (!s.topology) return out;
+    const auto hidden = [&](const Vec3f& at) {
+      const float far = (at - view.eye_mm).norm();
+      const RayHit hit = cast_ray(s, view.eye_mm, (at - view.eye_mm) / far, desk.state.face == 2);
+      return hit.triangle >= 0 && hit.distance_mm < far - kBefore_mm;
+    };
+    for (const SheetLetter& l : sheet.letters())
+      if (const Vec3f px = view.to_pixel(l.at_mm, width, height); px.allFinite() && desk.state.compare == Compare::off)
+        out.push_back({px.x() / scale, px.y() / scale, l.text, hidden(l.at_mm),
+                       l.limit ? DeskMark::Kind::limit : DeskMark::Kind::letter});
+    if (!set.facts.head) return out;
     const std::vector<std::string>& names = s.topology->landmark;
     for (size_t i = 0; i < std::min(names.size(), s.landmark_mm.size()); ++i) {
       const bool picked = picked_number(names[i]) > 0;
@@ -330,7 +433,7 @@ struct WindowFrames::Impl {
     DrawOptions o = options(at_level, width, height);
     const View whole = placed(seen(g.aspect).view(g.aspect));
     if (desk.state.compare != Compare::off && first) {
-      const RenderScene& then = before_builder.build(*first);
+      const RenderScene& then = before_builder.build(earlier_try ? *earlier_try : *first);
       const bool wipe = desk.state.compare == Compare::wipe;
       View left = wipe ? whole.part(0, std::max(0.001f, desk.state.wipe)) : seen(0.5 * g.aspect).view(0.5 * g.aspect),
            right = wipe ? whole.part(std::min(0.999f, desk.state.wipe), 1) : left;
@@ -392,6 +495,11 @@ struct WindowFrames::Impl {
     const RenderScene& patient = builder.build(s, held);
     if (desk.state.directions) builder.add_stretch_glyphs(s);
     if (desk.state.lattice) builder.add_lines(lattice_lines());
+    if (coach) {
+      sheet.draw(*coach, s);
+      builder.add_props(sheet.props());
+      builder.add_lines(sheet.lines());
+    }
     field = desk.state.field == SkinField::none ? nullptr : &fields.show(desk.state.field, s);
     builder.show_field(field ? field->value : std::vector<float>());
     const Snapshot* beside = desk.state.head.beside == SkullBeside::off ? skull.show(SkullBeside::off, s, s)
@@ -424,7 +532,11 @@ struct WindowFrames::Impl {
   void draw_panels(const Snapshot& s, const View& view, int width, int height) {
     DeskReading r;
     r.shown = &s, r.gauges = gauges, r.ruler = ruler.read(s);
-    r.lesson_begun = feed.next_begun, r.showing = feed.showing, r.at_leisure = at_leisure && desk.state.quality == 0;
+    r.coach = coach ? &*coach : nullptr, r.showing = feed.showing;
+    r.earlier_try = earlier_try.has_value();
+    if (hand.valid && (set.facts.own_device || set.facts.device != "mouse" || feed.showing))
+      r.hand_tool = Tool(hand.tool);
+    r.at_leisure = at_leisure && desk.state.quality == 0;
     r.field = field, r.samples_per_s = samples_per_s, r.pictures_per_s = pictures_per_s;
     if (skull_shown) {
       static constexpr SkinFieldLook kDistance{"Distance", "Distance from the other skull", "mm",
@@ -432,7 +544,7 @@ struct WindowFrames::Impl {
       r.field = &distance, r.look = &kDistance;
     }
     if (set.facts.head) r.measures = &measures.read(s);
-    if (set.facts.head) r.marks = marks(s, view, width, height);
+    r.marks = marks(s, view, width, height);
     std::vector<Vec3f> ruler_px;
     for (const Vec3f& p : r.ruler.at_mm) ruler_px.push_back(view.to_pixel(p, width, height) / scale);
     const ImVec2 size = ImGui::GetIO().DisplaySize;
@@ -487,9 +599,20 @@ struct WindowFrames::Impl {
     ImGui::SetCurrentContext(panels);
     fit_panels(width, height);
     take_waiting(s, width, height);
-    if (!first) first = s;
+    if (!first) {
+      first = s;
+      if (coach) look_at_plan(s);
+    }
+    hand = tool, now = &s;
+    if (coach) {
+      HandSeen seen{tool, std::nullopt, std::nullopt, feed.showing};
+      if (!set.facts.own_device)
+        seen.depth_mm = double(desk.state.depth_mm), seen.angle_deg = double(desk.state.angle_deg);
+      coach->look(s, seen);
+    }
     if (s.topology) desk.state.head.see(s.topology->landmark, s.landmark_mm);
     carry_out();
+    keep_out(s);
 
     const View view = look(width, height);
     const RenderScene& scene = build_scene(s, tool);
@@ -507,7 +630,7 @@ struct WindowFrames::Impl {
     if (changed && desk.state.quality == 0)
       ladder.frame(1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
     feed.keep_recording.store(desk.state.keep_recording, std::memory_order_relaxed);
-    since_frame = 0;
+    since_frame = 0, now = nullptr;
     if (unseen > 0) --unseen;
   }
 };
@@ -540,8 +663,19 @@ void WindowFrames::frame(const Snapshot& snapshot, const ToolState& tool) {
 
 void WindowFrames::notice(const Notice& notice) {
   impl_->desk.notice(notice);
+  if (impl_->coach) impl_->coach->hear(notice);
   impl_->unseen = 2;
 }
+
+void WindowFrames::missed(const MissedPress& press, const Snapshot& snapshot) {
+  if (impl_->coach)
+    impl_->coach->missed(press, snapshot);
+  else
+    impl_->desk.say(why_missed(press, snapshot));
+  impl_->unseen = 2;
+}
+
+const Coach* WindowFrames::coach() const { return impl_->coach ? &*impl_->coach : nullptr; }
 
 bool WindowFrames::wants_frame() {
   Impl& i = *impl_;

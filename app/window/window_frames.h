@@ -9,6 +9,7 @@
 // (input_router.h), on the main thread; here are the camera, the panels and the ruler. What is chosen on a panel goes
 // back to the InputRouter.
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "app/session/picture_sink.h"
@@ -23,6 +24,8 @@ struct WindowSettings {
   DeskFacts facts;
   Camera camera;                  // the first view
   std::string picture_dir = ".";  // where pictures asked for are put: limberg-1.png, never replacing a file
+  std::optional<LessonPlan> lesson = {};
+  LessonMode mode = LessonMode::guided;
 };
 
 class WindowFrames final : public PictureSink {
@@ -36,6 +39,7 @@ class WindowFrames final : public PictureSink {
   void frame(const Snapshot& snapshot, const ToolState& tool) override;
   void stage(const std::string&, const Snapshot&) override {}
   void notice(const Notice& notice) override;
+  void missed(const MissedPress& press, const Snapshot& snapshot) override;
   bool wants_frame() override;
   bool wants_lattice() const override;
   void lattice(const LatticeShown& lattice) override;
@@ -45,6 +49,8 @@ class WindowFrames final : public PictureSink {
   /// The frame drawn last, and how often the patient was drawn for one: for tests.
   Image picture();
   int64_t patient_drawn() const;
+  /// Null: there is no lesson.
+  const Coach* coach() const;
 
  private:
   struct Impl;

@@ -19,10 +19,14 @@ struct Stage {
 struct Wait {
   double seconds = 1;
 };
+/// A bracket around acts that the program has shown: they are not the learner's (authorship.h).
+struct Shown {
+  bool begins = true;
+};
 
-using Command =
-    std::variant<Incise, InciseMore, Undermine, Excise, SetHook, MoveHook, ReleaseHook, Suture, SutureRow, Undo, Redo,
-                 Stage, Wait, SutureCorner, SutureBetween, CutSuture, ExcisePiece, CutThrough, InSpace, HeadCommand>;
+using Command = std::variant<Incise, InciseMore, Undermine, Excise, SetHook, MoveHook, ReleaseHook, Suture, SutureRow,
+                             Undo, Redo, Stage, Wait, Shown, SutureCorner, SutureBetween, CutSuture, ExcisePiece,
+                             CutThrough, InSpace, HeadCommand>;
 
 /// What came of a command. A refused one has changed nothing.
 struct Outcome {

@@ -265,7 +265,7 @@ struct Act<MoveHook> {
     v(Field::given("to", "in the world (of a block: z up, skin at 0)"), c.to_mm);
     v(row::kSeconds, c.seconds);
   }
-  static std::string words(const MoveHook& c) { return fmt::format("hook {} moved", c.id); }
+  static std::string words(const MoveHook& c) { return fmt::format("hook {} carried and left there", c.id); }
   static Deed deed(const MoveHook&) { return {"", "The flap is moved with the hooks"}; }
 };
 
@@ -415,6 +415,22 @@ struct Act<Wait> {
   static constexpr const char* help = "Lets time pass: the tissue comes to rest.";
   static constexpr const char* example = R"({"action":"wait","seconds":1})";
   static void fields(auto& v, auto& c) { v(Field::number("seconds", 0, ScriptLimits::seconds, "how long"), c.seconds); }
+};
+
+template <>
+struct Act<Shown> {
+  static constexpr const char* name = "shown";
+  static constexpr Needs needs = Needs::nothing;
+  static constexpr bool leaves_patient = true;
+  static constexpr const char* help =
+      "What follows was shown by the program and is not the learner's, until one with \"begins\":false; a lesson "
+      "judges "
+      "what is left.";
+  static constexpr const char* example = R"({"action":"shown","begins":false})";
+  static void fields(auto& v, auto& c) {
+    v(Field::flag("begins", true, "the showing begins; false: it ends"), c.begins);
+  }
+  static std::string words(const Shown& c) { return c.begins ? "shown by the program:" : "end of what was shown"; }
 };
 
 }  // namespace limberg

@@ -107,7 +107,7 @@ CutBuilder::Outcome CutBuilder::find_patches(CutResult& result) {
   result.patches_kept = kept;
   if (!seed_inside) {
     if (seed_without_border)
-      return fail(refused, "the blade meets no surface: it must begin at the skin or at an earlier cut");
+      return fail(refused, "the blade reaches no skin and no earlier cut: cut the skin first, and begin there");
     return any_inside ? fail(nothing, "nothing that was drawn is in material")
                       : fail(nothing, "the blade meets no material");
   }

@@ -31,7 +31,7 @@ struct Window {
 
   Window() {
     WindowSettings set;
-    set.facts = {"rhomboid", "mouse", "", "Close the defect.", {"excise", "incise", "stitch"}, false, true, 9};
+    set.facts = {"rhomboid", "mouse", "", "Close the defect.", false, true, 9};
     set.camera.eye_mm = {5, -90, 130};
     frames = std::make_unique<WindowFrames>(screen, feed, &gauges, set);
     frames->prepare(*s.topology);

@@ -26,9 +26,12 @@ Camera over_the_slab() {
 struct Heard final : SampleSink {
   std::vector<StylusSample> stylus;
   std::vector<ControlSample> control;
+  std::vector<CommandSample> commands;
   void on_sample(const Sample& s) override {
     if (const auto* c = std::get_if<ControlSample>(&s))
       control.push_back(*c);
+    else if (const auto* k = std::get_if<CommandSample>(&s))
+      commands.push_back(*k);
     else
       stylus.push_back(std::get<StylusSample>(s));
   }
@@ -114,7 +117,7 @@ struct Mouse {
   Snapshot s = testing::sample_snapshot({.wound = false, .hooks = 0});
   View view = over_the_slab().view(16.0 / 9);
   Heard heard;
-  explicit Mouse(const std::vector<std::vector<Command>>& lesson = {}) : router(screen, feed, lesson) {
+  Mouse() : router(screen, feed) {
     router.look_with([this](bool) { return &s; });
     show();
   }
@@ -426,21 +429,28 @@ TEST(InputOrder, KeysOfATextFieldChooseNoTool) {
   EXPECT_EQ(m.heard.control[0].tool, Tool::hook);
 }
 
-TEST(Pointer, NextShowsOneStepOfTheLesson) {
-  const auto steps = lesson_steps({Incise{{{-10, 0}, {10, 0}}, 3, 90, false}, Wait{0.1}, Stage{"cut"}, ReleaseHook{1}});
-  ASSERT_EQ(steps.size(), 2u);  // a rest and a stage belong to the act before them
-  Mouse m(steps);
+ShowActs shows(std::vector<Command> acts, int undos = 0) {
+  return {undos, std::make_shared<const std::vector<Command>>(std::move(acts))};
+}
+
+TEST(Pointer, WhatIsShownIsBracketed) {
+  Mouse m;
   PointerSource source(m.feed);
   m.key('5');
   m.run(source, 0, 50);
   EXPECT_TRUE(m.heard.stylus.empty());
-  m.key('N');
+  m.feed.answers.push(shows({Incise{{{-10, 0}, {10, 0}}, 3, 90, false}}, 1));
   m.run(source, 50, 100);
   EXPECT_TRUE(m.feed.showing);
   m.move(800, 450), m.button(true), m.button(false);  // the hand that shows has the tool
   m.run(source, 100, 4000);
-  EXPECT_EQ(m.feed.next_begun, 1);
+  EXPECT_TRUE(m.feed.showing) << "until what was taken back is gone";
+  m.s.step += 3;
+  m.run(source, 4000, 8000);
   EXPECT_FALSE(m.feed.showing);
+  ASSERT_EQ(m.heard.commands.size(), 2u);
+  EXPECT_TRUE(std::get<Shown>(*m.heard.commands[0].command).begins);
+  EXPECT_FALSE(std::get<Shown>(*m.heard.commands[1].command).begins);
   ASSERT_GT(m.heard.stylus.size(), 50u);
   double pressed_from = 1e9, pressed_to = -1e9;
   int presses = 0;
@@ -457,23 +467,23 @@ TEST(Pointer, NextShowsOneStepOfTheLesson) {
   EXPECT_NEAR(pressed_from, -10, 0.6);
   EXPECT_NEAR(pressed_to, 10, 0.6);
   // Afterwards a click uses the tool that was chosen before, not the last of those that the other hand took.
-  ASSERT_GT(m.heard.control.size(), 2u);
+  ASSERT_GT(m.heard.control.size(), 3u);
   EXPECT_EQ(m.heard.control.front().tool, Tool::hook);
+  EXPECT_EQ(m.heard.control[1].kind, ControlSample::undo);
   EXPECT_EQ(m.heard.control.back().kind, ControlSample::select_tool);
   EXPECT_EQ(m.heard.control.back().tool, Tool::hook);
 }
 
 // Bone alone: the same button, another hand. It saws and carries
 // with the stylus; a skull has no chart for the other one to aim on.
-TEST(Pointer, NextShowsStepsOnBone) {
+TEST(Pointer, ActsOnBoneAreShown) {
   CutBone cut;
   cut.contour_mm = {{-8, -6, 0}, {8, -6, 0}, {0, 8, 0}};
   MoveFragment move;
   move.fragment = {-1, {2, 1, 0}}, move.by.translation_mm = {0, 0, 6}, move.by.rotation_deg = {0, 0, 30},
   move.by.about_mm = Vec3::Zero(), move.seconds = 1;
-  const auto steps = lesson_steps({Stage{"before"}, HeadCommand(cut), HeadCommand(move)});
-  ASSERT_EQ(steps.size(), 3u);
-  Mouse m(steps);
+  const std::vector<Command> acts{HeadCommand(cut), HeadCommand(move)};
+  Mouse m;
   auto bone = std::make_shared<SurfaceTopology>(*m.s.topology);
   bone->body = nullptr;
   bone->organ.assign(bone->view.tri.size(), Organ::bone);
@@ -481,11 +491,10 @@ TEST(Pointer, NextShowsStepsOnBone) {
   m.s.topology = bone;
   PointerSource source(m.feed);
   int64_t ms = 0;
-  for (int step = 1; step <= 3; ++step) {
-    m.key('N');
+  for (const Command& c : acts) {
+    m.feed.answers.push(shows({c}));
     do m.run(source, ms, ms + 100), ms += 100;
     while (m.feed.showing && ms < 16000);
-    EXPECT_EQ(m.feed.next_begun, step);
   }
   EXPECT_FALSE(m.feed.showing);
   std::vector<Tool> tools;

@@ -1,0 +1,331 @@
+#include "app/teaching/coach.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/teaching/why_missed.h"
+#include "sim/commands/kinds.h"
+#include "sim/geometry/polyline.h"
+#include "sim/measure/table.h"
+
+namespace limberg {
+namespace {
+
+constexpr double kHint_s = 15, kMoreHint_s = 30, kShowHint_s = 45;  // of hesitation
+constexpr double kWord_s = 20, kPraise_s = 6;                       // a word stays so long
+constexpr double kReach_mm = 8, kStep_mm = 0.5;
+constexpr size_t kMostSaid = 1000, kMostPoints = 4000;
+
+/// An act of the kind that a tool draws, to be compared by its kind alone.
+std::optional<Command> like(Tool tool) {
+  if (tool == Tool::scalpel) return Incise{};
+  if (tool == Tool::excise) return Excise{};
+  if (tool == Tool::undermine) return Undermine{};
+  return std::nullopt;
+}
+
+bool is_whole(const Command& c) {
+  const auto* piece = std::get_if<InciseMore>(&c);
+  return !piece || piece->last;
+}
+
+bool crosses(const std::vector<ChartPoint>& path, bool closed, const std::vector<ChartPoint>& line) {
+  const auto side = [](const Vec2& a, const Vec2& b, const Vec2& p) {
+    return (b.x() - a.x()) * (p.y() - a.y()) - (b.y() - a.y()) * (p.x() - a.x());
+  };
+  const size_t n = path.size();
+  for (size_t i = 0; i + 1 < n + (closed ? 1 : 0); ++i)
+    for (size_t k = 0; k + 1 < line.size(); ++k) {
+      const Vec2 &a = path[i], &b = path[(i + 1) % n], &c = line[k], &d = line[k + 1];
+      if (side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0) return true;
+    }
+  return false;
+}
+
+std::string lower(std::string s) {
+  if (s.size() > 1 && s[0] >= 'A' && s[0] <= 'Z' && !(s[1] >= 'A' && s[1] <= 'Z')) s[0] = char(s[0] - 'A' + 'a');
+  if (!s.empty() && s.back() == '.') s.pop_back();
+  return s;
+}
+
+}  // namespace
+
+Coach::Coach(LessonPlan plan, LessonMode mode) : plan_(std::move(plan)), mode_(mode), answers_(plan_.steps.size(), 0) {
+  progress_ = progress_of(plan_, standing_);
+  says_.goal = plan_.goal;
+  tell_state();
+}
+
+void Coach::say(const std::string& word, bool praise) {
+  if (word.empty()) return;
+  says_.word = word, says_.word_is_praise = praise, word_s_ = t_s_;
+  if (said_.size() < kMostSaid) said_.push_back({t_s_, word});
+}
+
+void Coach::set_mode(LessonMode mode) {
+  if (mode_ == LessonMode::examination) return;
+  mode_ = mode;
+  says_.word.clear();
+  tell_state();
+}
+
+void Coach::answer(int number) {
+  if (!says_.question || number < 1 || number > int(says_.question->answers.size())) return;
+  const LessonQuestion& q = *says_.question;
+  answers_[says_.step] = number;
+  says_.answer = (number == q.right ? "Right. " : "Not quite: " + q.answers[size_t(q.right - 1)] + ". ") + q.because;
+  active_s_ = t_s_;
+  tell_state();
+}
+
+void Coach::hear(const Notice& n) {
+  t_s_ = std::max(t_s_, n.t_s), active_s_ = t_s_;
+  if (n.kind == Notice::dropped) {
+    ++missed_;
+    std::string word = n.text.data();
+    if (!word.empty()) word[0] = char(std::toupper(word[0])), word += '.';
+    return say(word);
+  }
+  if (!n.command) return;
+  if (n.kind == Notice::refused) {
+    if (shown_) return say(std::string("What was to be shown cannot be done here: ") + n.text.data() + ".");
+    ++refused_;
+    return say(std::string("Not done: ") + n.text.data() + ".");
+  }
+  if (const auto* s = std::get_if<Shown>(n.command.get())) shown_ = s->begins;
+  script_.push_back(*n.command);
+  if (!is_whole(*n.command)) return;
+  standing_ = standing_acts(script_);
+  progress_ = progress_of(plan_, standing_);
+  if (n.kind == Notice::undone && !shown_) ++undone_, says_.word.clear();
+  if (n.kind == Notice::done && !leaves_patient(*n.command) && !standing_.empty()) {
+    shown_acts_ += shown_;
+    if (!shown_) judge_newest();
+  }
+  tell_state();
+}
+
+std::string Coach::out_of_order(size_t act) const {
+  if (progress_.next >= plan_.acts.size()) return "";
+  const size_t step = plan_.acts[progress_.next].step;
+  if (step >= plan_.acts[act].step) return "";
+  const LessonStep& w = plan_.steps[step].words;
+  return fmt::format("Out of order: \"{}\" comes before \"{}\"{}.", w.stage,
+                     plan_.steps[plan_.acts[act].step].words.stage,
+                     w.why.empty() ? "" : ", for this reason: " + lower(w.why));
+}
+
+std::string Coach::over_limit(const Command& c) const {
+  const auto line = drawn_line(c);
+  if (!line) return "";
+  for (const SafeLimit& l : plan_.limits) {
+    if (l.deepest_mm && line->depth_mm > *l.deepest_mm)
+      return fmt::format("Too deep: {:.1f} mm. {} begins at {:.1f} mm.", line->depth_mm, l.name, *l.deepest_mm);
+    if (!l.line.empty() && crosses(line->path, line->closed, l.line))
+      return "The cut crosses a safe limit: " + l.name + ".";
+  }
+  return "";
+}
+
+void Coach::judge_newest() {
+  if (mode_ != LessonMode::guided) return;
+  const size_t newest = standing_.size() - 1;
+  const Command& c = standing_[newest].command;
+  if (const std::string limit = over_limit(c); !limit.empty()) return say(limit + " Ctrl+Z takes it back.");
+  if (const int act = attempt_at(progress_, newest); act >= 0) {
+    const std::string order = out_of_order(size_t(act)), off = gentle_word(progress_.act[size_t(act)].offs);
+    const char* back = is_undoable(c) ? " Ctrl+Z takes it back." : " Take its handle and carry it on.";
+    if (!off.empty()) return say(off + (order.empty() ? "" : " " + order) + back);
+    if (!order.empty()) return say(order + " Ctrl+Z takes it back.");
+    return say(is_undoable(c) ? "As planned." : "", true);
+  }
+  if (std::find(progress_.stray.begin(), progress_.stray.end(), newest) == progress_.stray.end()) return;
+  // Of another kind than anything that is open, or far from it.
+  const std::vector<size_t> open = progress_.open();
+  const bool wanted =
+      std::any_of(open.begin(), open.end(), [&](size_t i) { return plan_.acts[i].command.index() == c.index(); });
+  const std::string next =
+      progress_.all_done() ? "" : " Next in the plan: " + lower(plan_.acts[progress_.next].words) + ".";
+  if (!wanted) return say("This is not in the plan." + next + " Ctrl+Z takes it back.");
+  double far = 0;
+  if (const auto line = drawn_line(c)) {
+    far = 1e9;
+    for (const size_t i : open)
+      if (const auto want = drawn_line(plan_.acts[i].command); want && plan_.acts[i].command.index() == c.index())
+        for (const ChartPoint& p : line->path) far = std::min(far, distance_to_line(want->path, want->closed, p));
+  }
+  say(fmt::format("This lies elsewhere than planned{}.{} Ctrl+Z takes it back.",
+                  far > 1 && far < 1e8 ? fmt::format(", {:.0f} mm away at its nearest", far) : std::string(), next));
+}
+
+void Coach::missed(const MissedPress& press, const Snapshot& patient) {
+  if (shown_) return;
+  ++missed_, active_s_ = t_s_;
+  say(why_missed(press, patient));
+}
+
+void Coach::tell_state() {
+  says_.steps.clear();
+  says_.undos_to_plan = mode_ == LessonMode::examination ? 0 : undos_to_plan(plan_, standing_);
+  says_.finished = progress_.all_done() && !plan_.acts.empty();
+  says_.step = says_.finished || plan_.acts.empty() ? plan_.steps.size() : plan_.acts[progress_.next].step;
+  for (size_t i = 0; i < plan_.steps.size(); ++i) {
+    const TeachingStep& t = plan_.steps[i];
+    StepSeen s{t.words.stage};
+    bool all = true, off = false, shown = false;
+    for (size_t k = t.first; k < t.first + t.acts; ++k) {
+      const ActProgress& a = progress_.act[k];
+      all &= a.state != ActProgress::open, off |= a.state == ActProgress::done && !a.shown && !within(a.offs),
+          shown |= a.shown;
+    }
+    s.state = i == says_.step ? StepSeen::now
+              : !all          ? StepSeen::ahead
+              : shown         ? StepSeen::shown
+              : off           ? StepSeen::off
+                              : StepSeen::done;
+    says_.steps.push_back(std::move(s));
+  }
+  says_.limit.clear(), says_.say.clear(), says_.why.clear(), says_.act.clear(), says_.question = nullptr;
+  if (mode_ != LessonMode::guided) says_.hint.clear(), says_.answer.clear();
+  if (mode_ != LessonMode::guided || says_.step >= plan_.steps.size()) return;
+  const LessonStep& w = plan_.steps[says_.step].words;
+  says_.say = w.say, says_.why = w.why, says_.act = plan_.acts[progress_.next].words;
+  if (drawn_line(plan_.acts[progress_.next].command))
+    for (const SafeLimit& l : plan_.limits)
+      if (l.deepest_mm) says_.limit = fmt::format("Never deeper than {:g} mm: {}.", *l.deepest_mm, lower(l.name));
+  if (w.question && answers_[says_.step] == 0) says_.question = &*w.question;
+  if (!w.question || answers_[says_.step] == 0) says_.answer.clear();
+}
+
+void Coach::follow_stroke(const Snapshot& s, const HandSeen& hand) {
+  const ToolState& t = hand.tool;
+  const std::optional<Command> kind = like(Tool(t.tool));
+  const bool draws = t.valid && t.pressed && kind && !hand.showing && has_surface(s);
+  if (!draws || !pressed_) stroke_.path.clear();
+  if (draws) {
+    const Vec3 tip(t.tip_mm[0], t.tip_mm[1], t.tip_mm[2]);
+    if (skin_.another(s) || !pressed_) touched_ = -1;
+    const SkinTouch at = skin_.closest(s, tip, touched_);
+    touched_ = at.triangle;
+    if (at.triangle >= 0 && at.distance_mm < kReach_mm && stroke_.path.size() < kMostPoints &&
+        (stroke_.path.empty() || (stroke_.path.back() - at.chart).norm() > kStep_mm))
+      stroke_.path.push_back(at.chart);
+    stroke_.depth_mm = hand.depth_mm, stroke_.angle_deg = hand.angle_deg;
+  }
+  pressed_ = draws;
+  says_.stroke.clear(), says_.stroke_of.clear();
+  if (mode_ != LessonMode::guided || stroke_.path.size() < 2) return;
+  const std::vector<size_t> open = progress_.open();
+  if (const PlannedAct* a = meant(plan_, open, *kind, stroke_))
+    says_.stroke = live_rows(plan_, *a, stroke_), says_.stroke_of = a->words;
+}
+
+void Coach::look(const Snapshot& s, const HandSeen& hand) {
+  t_s_ = std::max(t_s_, double(s.device_tick) * 1e-3);
+  sutures_ = s.sutures;
+  if (hand.tool.pressed || hand.showing || hand.tool.tool != tool_) active_s_ = t_s_;
+  tool_ = hand.tool.tool;
+  follow_stroke(s, hand);
+  if (t_s_ - word_s_ > (says_.word_is_praise ? kPraise_s : kWord_s)) says_.word.clear();
+  says_.hint.clear();
+  if (mode_ != LessonMode::guided || says_.step >= plan_.steps.size() || says_.question) return;
+  const double still_s = t_s_ - active_s_;
+  const std::string& hint = plan_.steps[says_.step].words.hint;
+  const std::string general = plan_.hints.empty() ? "" : plan_.hints[std::min(says_.step, plan_.hints.size() - 1)];
+  if (still_s > kHint_s) says_.hint = hint.empty() ? general : hint;
+  if (still_s > kMoreHint_s) says_.hint += (says_.hint.empty() ? "" : " ") + ("Now: " + lower(says_.act) + ".");
+  if (still_s > kShowHint_s) says_.hint += " N shows it.";
+}
+
+Attempt Coach::present() const {
+  Attempt a;
+  std::vector<std::pair<double, std::string>> better;
+  for (size_t i = 0; i < plan_.steps.size(); ++i) {
+    const TeachingStep& t = plan_.steps[i];
+    Attempt::Row row{t.words.stage, "not done"};
+    for (size_t k = t.first; k < t.first + t.acts; ++k) {
+      const ActProgress& p = progress_.act[k];
+      if (p.state != ActProgress::done) continue;
+      if (p.shown) {
+        row.shown = true;
+        continue;
+      }
+      row.judged = true;
+      if (!p.offs.empty() && p.offs.front().share() > row.share)
+        row.share = p.offs.front().share(), row.value = lower(gentle_word(p.offs));
+      if (const std::string off = gentle_word(p.offs); !off.empty())
+        better.emplace_back(p.offs.front().share(), "\"" + t.words.stage + "\": " + lower(off) + ".");
+      if (const auto line = drawn_line(standing_[p.by].command);
+          line && !std::holds_alternative<Undermine>(standing_[p.by].command))
+        a.cuts.push_back(*line);
+    }
+    if (row.judged && row.share <= 1) row.value = "as planned";
+    if (row.shown) row.value = row.judged ? row.value + ", a part was shown" : "was shown";
+    a.rows.push_back(std::move(row));
+  }
+  const auto figure = [&](const char* tolerance, const std::string& unit, double value, bool judged) {
+    for (const auto& [name, limit] : plan_.tolerances)
+      if (name == tolerance) {
+        a.rows.push_back({words_of_tolerance(name),
+                          fmt::format("{:.3g}{}{}, at most {:g}", value, unit.empty() ? "" : " ", unit, limit),
+                          value / std::max(limit, 1e-6), !judged, judged});
+        const Judgement j{name, unit, limit, value, "", value <= limit};
+        for (const std::string& s : to_do_better(std::span(&j, 1)))
+          if (judged) better.emplace_back(value / std::max(limit, 1e-6), s);
+      }
+  };
+  if (!sutures_.empty()) {
+    double gap = 0, most = 0, sum = 0;
+    for (const SutureState& x : sutures_)
+      gap = std::max(gap, double(x.gap_mm)), most = std::max(most, double(x.force_N)), sum += double(x.force_N);
+    figure("gap_mm", "mm", gap, shown_acts_ == 0), figure("suture_peak_N", "N", most, shown_acts_ == 0);
+    figure("suture_N", "N", most, shown_acts_ == 0), figure("closure_N", "N", sum, shown_acts_ == 0);
+  }
+  figure("undos", "", undone_, true);
+  figure("time_s", "s", t_s_ - began_s_, shown_acts_ == 0);
+  const auto count = [&](const char* what, int n, const char* advice) {
+    if (n == 0) return;
+    a.rows.push_back({what, std::to_string(n), double(n) / 2, false, true});
+    if (n > 2) better.emplace_back(double(n) / 2, fmt::format("{}: {}. {}", what, n, advice));
+  };
+  count("Presses that came to nothing", missed_, "Look where the tip is before you press.");
+  count("Acts that were refused", refused_, "Read the reason: it says what is missing.");
+  if (shown_acts_ > 0) a.rows.push_back({"Acts that were shown", std::to_string(shown_acts_), 0, true, false});
+  if (!progress_.stray.empty())
+    better.emplace_back(3, fmt::format("{} {} on the patient that the plan does not have.", progress_.stray.size(),
+                                       progress_.stray.size() == 1 ? "act stands" : "acts stand"));
+  int asked = 0, right = 0;
+  for (size_t i = 0; i < answers_.size(); ++i)
+    if (answers_[i] > 0) ++asked, right += answers_[i] == plan_.steps[i].words.question->right;
+  if (asked > 0) a.rows.push_back({"Questions", fmt::format("{} of {} right", right, asked), 0, false, true});
+  std::stable_sort(better.begin(), better.end(), [](const auto& x, const auto& y) { return x.first > y.first; });
+  for (size_t i = 0; i < better.size() && a.better.size() < 3; ++i)
+    if (std::find(a.better.begin(), a.better.end(), better[i].second) == a.better.end())
+      a.better.push_back(better[i].second);
+  return a;
+}
+
+int Coach::try_again() {
+  if (standing_.empty()) return 0;
+  earlier_.push_back(present());
+  undone_ = missed_ = refused_ = shown_acts_ = 0;
+  began_s_ = active_s_ = t_s_;
+  says_.word.clear();
+  return int(
+      std::count_if(standing_.begin(), standing_.end(), [](const StandingAct& a) { return is_undoable(a.command); }));
+}
+
+Showing Coach::showing(bool clean) const {
+  Showing s;
+  if (mode_ == LessonMode::examination) return s;
+  s.undos = clean ? says_.undos_to_plan : 0;
+  const std::vector<StandingAct> from = after_undos(standing_, s.undos);
+  const PlanProgress p = s.undos > 0 ? progress_of(plan_, from) : progress_;
+  if (p.all_done()) return s;
+  s.acts = {adapted(plan_, p.next, p, from)}, s.words = plan_.acts[p.next].words;
+  return s;
+}
+
+}  // namespace limberg

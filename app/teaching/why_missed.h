@@ -1,0 +1,12 @@
+#pragma once
+// Why a press came to nothing, and what to do instead, in words.
+#include <string>
+
+#include "devices/missed_press.h"
+#include "sim/patient/snapshot.h"
+
+namespace limberg {
+
+std::string why_missed(const MissedPress& press, const Snapshot& patient);
+
+}  // namespace limberg

@@ -1,0 +1,194 @@
+#include "app/window/desk_lesson.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+
+#include "app/window/desk_look.h"
+
+namespace limberg {
+
+using namespace desk_look;
+
+void DeskLesson::steps(const Coach& c, const char* title, float height, bool showing, bool& next, bool& clean,
+                       bool& summary_open) {
+  const CoachSays& says = c.says();
+  heading(title);
+  int m = int(c.mode());
+  ImGui::PushItemWidth(-1);
+  if (c.mode() == LessonMode::examination) {
+    ImGui::TextColored(kWarn, "Examination: nothing is shown");
+  } else if (ImGui::Combo("##mode", &m, "Guided lesson\0Free: no plan, no hints\0Examination\0")) {
+    mode = LessonMode(m);
+  }
+  ImGui::PopItemWidth();
+  constexpr float kLine = 18;
+  ImGui::BeginChild("steps", {0, std::min(0.24f * height, 8 + kLine * float(says.steps.size()))});
+  for (size_t i = 0; i < says.steps.size(); ++i) {
+    const StepSeen& s = says.steps[i];
+    const bool plain = c.mode() == LessonMode::guided;
+    const ImVec4& colour = s.state == StepSeen::now     ? kNow
+                           : s.state == StepSeen::ahead ? kQuiet
+                           : !plain                     ? kNow
+                           : s.state == StepSeen::off   ? kWarn
+                           : s.state == StepSeen::shown ? kShown
+                                                        : kGood;
+    const char* word = !plain                       ? ""
+                       : s.state == StepSeen::done  ? "  as planned"
+                       : s.state == StepSeen::off   ? "  off"
+                       : s.state == StepSeen::shown ? "  shown"
+                                                    : "";
+    listed(colour, 22, std::to_string(i + 1).c_str(), (s.name + word).c_str());
+    if (s.state == StepSeen::now) ImGui::SetScrollHereY(0.3f);
+  }
+  ImGui::EndChild();
+  if (c.mode() == LessonMode::examination) return;
+  const float half = 0.5f * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
+  if (showing) {
+    ImGui::TextColored(kShown, "being shown ...");
+    ImGui::Dummy({0, ImGui::GetFrameHeight() - ImGui::GetTextLineHeight() - ImGui::GetStyle().ItemSpacing.y});
+  } else if (!says.finished) {
+    const int undos = says.undos_to_plan;
+    if (ImGui::Button("Show me   N", {undos > 0 ? half : -1, 0})) next = true;
+    if (undos > 0) {
+      ImGui::SameLine();
+      if (ImGui::Button("... from the plan", {half, 0})) clean = true;
+      if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("takes back what is off (%d %s), then shows", undos, undos == 1 ? "act" : "acts");
+    }
+  }
+  if (ImGui::Button("How it went   J", {half, 0})) summary_open = !summary_open;
+  ImGui::SameLine();
+  if (ImGui::Button("Try again", {half, 0}) && !showing) again = true;
+}
+
+float DeskLesson::next_step(const Coach& c, float x, float y, float w, std::vector<FrameRect>& covered) {
+  const CoachSays& says = c.says();
+  if (c.mode() != LessonMode::guided || c.plan().steps.empty()) return y;
+  ImGui::SetNextWindowPos({x + 6, y + 6});
+  ImGui::SetNextWindowSizeConstraints({w - 12, 0}, {w - 12, 400});
+  ImGui::SetNextWindowBgAlpha(0.82f);
+  ImGui::Begin("next step", nullptr, kPanel | ImGuiWindowFlags_AlwaysAutoResize);
+  ImGui::PushTextWrapPos(w - 26);
+  if (says.finished) {
+    ImGui::TextColored(kGood, "All steps are done. J shows how it went.");
+  } else {
+    const TeachingStep& t = c.plan().steps[says.step];
+    ImGui::TextColored(kQuiet, "Step %d of %d", int(says.step) + 1, int(c.plan().steps.size()));
+    ImGui::SameLine();
+    ImGui::TextColored(kNow, "%s", t.words.stage.c_str());
+    if (says.question) {
+      ImGui::TextUnformatted("Before you go on:");
+      ImGui::SameLine();
+      ImGui::TextWrapped("%s", says.question->ask.c_str());
+      for (size_t i = 0; i < says.question->answers.size(); ++i) {
+        ImGui::PushID(int(i));
+        if (ImGui::Button(fmt::format("{}", char('a' + int(i))).c_str(), {22, 0})) answer = int(i) + 1;
+        ImGui::SameLine();
+        ImGui::TextWrapped("%s", says.question->answers[i].c_str());
+        ImGui::PopID();
+      }
+      ImGui::TextColored(kQuiet, "Then: %s", says.say.c_str());
+    } else {
+      if (!says.answer.empty()) ImGui::TextColored(kGood, "%s", says.answer.c_str());
+      ImGui::TextUnformatted(says.say.c_str());
+      if (!says.why.empty()) ImGui::TextColored(kQuiet, "Why: %s", says.why.c_str());
+      if (t.acts > 1 && says.act != says.say) ImGui::TextColored(kNow, "Now: %s.", says.act.c_str());
+      if (!says.limit.empty()) ImGui::TextColored(kQuiet, "%s", says.limit.c_str());
+      if (!says.hint.empty()) ImGui::TextColored(kHint, "Hint: %s", says.hint.c_str());
+    }
+  }
+  ImGui::PopTextWrapPos();
+  const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
+  covered.push_back({at.x, at.y, at.x + size.x, at.y + size.y});
+  ImGui::End();
+  return at.y + size.y;
+}
+
+void DeskLesson::stroke(const Coach& c, float x, float w, float bottom) {
+  const CoachSays& says = c.says();
+  if (says.stroke.empty()) return;
+  const float width = std::min(w - 12, 300.0f);
+  ImGui::SetNextWindowPos({x + 6, bottom - 6}, ImGuiCond_Always, {0, 1});
+  ImGui::SetNextWindowSizeConstraints({width, 0}, {width, 300});
+  ImGui::SetNextWindowBgAlpha(0.85f);
+  ImGui::Begin("stroke", nullptr, kPanel | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs);
+  for (const LiveRow& r : says.stroke) {
+    const ImVec4& colour = r.share <= 0.7 ? kGood : r.share <= 1 ? kWarn : kBad;
+    ImGui::TextColored(kQuiet, "%s", r.name.c_str());
+    ImGui::SameLine(72);
+    ImGui::TextColored(colour, "%s", r.words.c_str());
+    ImGui::SameLine(0.62f * width);
+    // A bar: its end is what may be off.
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const float whole = 0.33f * width, part = whole * float(std::clamp(r.share, 0.02, 1.0));
+    ImDrawList& d = *ImGui::GetWindowDrawList();
+    d.AddRectFilled({at.x, at.y + 3}, {at.x + whole, at.y + 13}, IM_COL32(60, 78, 84, 255), 2);
+    d.AddRectFilled({at.x, at.y + 3}, {at.x + part, at.y + 13}, ImGui::ColorConvertFloat4ToU32(colour), 2);
+    ImGui::NewLine();
+  }
+  ImGui::End();
+}
+
+void DeskLesson::summary(const Coach& c, int width, int height, bool& open, std::vector<FrameRect>& covered) {
+  if (!open) return;
+  constexpr size_t kMostTries = 3;  // so many fit beside one another
+  std::vector<Attempt> tries(c.earlier());
+  tries.push_back(c.present());
+  const size_t first = tries.size() > kMostTries ? tries.size() - kMostTries : 0;
+  const float wide = std::min(float(width) - 20, 420 + 190 * float(tries.size() - first - 1));
+  ImGui::SetNextWindowPos({0.5f * float(width), 0.5f * float(height)}, ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::SetNextWindowSizeConstraints({wide, 0}, {wide, float(height) - 20});
+  ImGui::SetNextWindowBgAlpha(0.96f);
+  ImGui::Begin("How it went", &open,
+               ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse);
+  const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
+  covered.push_back({at.x, at.y, at.x + size.x, at.y + size.y});
+  const Attempt& now = tries.back();
+  const float table_height = std::min(26 + 21 * float(now.rows.size()) * 1.25f, float(height) - 230);
+  if (ImGui::BeginTable("tries", 1 + int(tries.size() - first),
+                        ImGuiTableFlags_RowBg | ImGuiTableFlags_ScrollY | ImGuiTableFlags_BordersInnerV,
+                        {0, std::max(table_height, 80.0f)})) {
+    ImGui::TableSetupScrollFreeze(0, 1);
+    ImGui::TableSetupColumn("step or figure", ImGuiTableColumnFlags_WidthStretch, 0.8f);
+    for (size_t k = first; k < tries.size(); ++k) {
+      const std::string name = k + 1 < tries.size() ? fmt::format("try {}", k + 1) : "this try";
+      ImGui::TableSetupColumn(name.c_str(), ImGuiTableColumnFlags_WidthStretch, 1);
+    }
+    ImGui::TableHeadersRow();
+    for (const Attempt::Row& row : now.rows) {
+      ImGui::TableNextRow();
+      ImGui::TableNextColumn();
+      ImGui::TextWrapped("%s", row.what.c_str());
+      for (size_t k = first; k < tries.size(); ++k) {
+        ImGui::TableNextColumn();
+        const auto same = std::find_if(tries[k].rows.begin(), tries[k].rows.end(),
+                                       [&](const Attempt::Row& r) { return r.what == row.what; });
+        if (same == tries[k].rows.end()) {
+          ImGui::TextColored(kQuiet, "-");
+          continue;
+        }
+        ImGui::PushStyleColor(ImGuiCol_Text, !same->judged      ? (same->shown ? kShown : kQuiet)
+                                             : same->share <= 1 ? kGood
+                                                                : kWarn);
+        ImGui::TextWrapped("%s", same->value.c_str());
+        ImGui::PopStyleColor();
+      }
+    }
+    ImGui::EndTable();
+  }
+  ImGui::Spacing();
+  if (now.better.empty()) {
+    ImGui::TextColored(kGood, "%s", c.says().finished ? "Nothing to mend in this try." : "Nothing to mend so far.");
+  } else {
+    ImGui::TextColored(kQuiet, "To do better");
+    for (size_t i = 0; i < now.better.size(); ++i) ImGui::TextWrapped("%d  %s", int(i) + 1, now.better[i].c_str());
+  }
+  ImGui::Spacing();
+  ImGui::TextColored(kQuiet,
+                     "What the program has shown is not judged. The whole verdict comes when the session ends.");
+  ImGui::End();
+}
+
+}  // namespace limberg
