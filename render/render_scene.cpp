@@ -18,6 +18,13 @@ void SceneBuilder::add_lines(const SceneLines& lines) {
   all.colour.insert(all.colour.end(), lines.colour.begin(), lines.colour.end());
 }
 
+void SceneBuilder::add_props(const PropMesh& props) {
+  PropMesh& all = scene_.props;
+  const uint32_t first = uint32_t(all.vertex.size());
+  all.vertex.insert(all.vertex.end(), props.vertex.begin(), props.vertex.end());
+  for (const auto& t : props.tri) all.tri.push_back({first + t[0], first + t[1], first + t[2]});
+}
+
 const RenderScene& SceneBuilder::show_field(std::span<const float> per_vertex) {
   const TissueMesh& mesh = *scene_.mesh;
   scene_.field.clear();

@@ -86,6 +86,8 @@ class SceneBuilder {
   void add_stretch_glyphs(const Snapshot& snapshot);
   /// Adds lines. One list each for ends and colours, of equal length.
   void add_lines(const SceneLines& lines);
+  /// Adds things without mechanics.
+  void add_props(const PropMesh& props);
   /// Shows another field than the snapshot's own: a value per vertex of the view; empty: none.
   const RenderScene& show_field(std::span<const float> per_vertex);
 

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <vector>
 
+#include "app/headset/headset_source.h"
 #include "devices/desktop_source.h"
 #include "devices/fastrak/port.h"
 #include "devices/fastrak/source.h"
@@ -94,6 +95,12 @@ LiveSource force_simulated(const DeviceSpec& spec, int) {
   };
 }
 
+LiveSource headset(const DeviceSpec& spec, int) {
+  return [s = parse_headset(spec.rest)](const LiveStart& start) {
+    return std::make_unique<HeadsetSource>(s, start.time, start.headset);
+  };
+}
+
 // Roles of a FASTRAK: a letter a station, f forefinger, t thumb, F and T those of a second glove, s stylus.
 constexpr DeviceKind kKinds[] = {
     {.name = "emulated",
@@ -137,7 +144,12 @@ constexpr DeviceKind kKinds[] = {
      .form = "force-simulated",
      .meaning = "a force device made of equations, in a hand that presses and strokes",
      .feels = true,
-     .live = force_simulated}};
+     .live = force_simulated},
+    {.name = "headset",
+     .form = "headset[:left][,scale=S][,table=M]",
+     .meaning = "a headset with its controllers and hands, by OpenXR",
+     .shows = true,
+     .live = headset}};
 
 }  // namespace
 

@@ -49,7 +49,7 @@ struct DeskState : HandChoice {
   Stereo stereo = Stereo::off;
   DeskHead head;
   // Asked for in this frame:
-  bool tool_changed = false, undo = false, redo = false, next = false, picture = false, home = false;
+  bool tool_changed = false, undo = false, redo = false, next = false, picture = false, home = false, headset = false;
 };
 
 /// A named place in the frame.

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "app/headset/shared.h"
 #include "app/scene/scene.h"
 #include "app/session/session.h"
 
@@ -16,9 +17,10 @@ struct WindowCall {
   std::string recording;    // the file, or empty
   std::string picture_dir = ".";
   std::string goal;
-  std::vector<Command> lesson;  // what "next" shows, step by step; may be empty
-  std::string word;             // said first; may be empty
-  bool mouse = true;            // the mouse uses tools (else it only chooses and looks)
+  std::vector<Command> lesson;             // what "next" shows, step by step; may be empty
+  std::string word;                        // said first; may be empty
+  std::shared_ptr<HeadsetShared> headset;  // its tablet is the window; null: there is none
+  bool mouse = true;                       // the mouse uses tools (else it only chooses and looks)
 };
 
 /// The window, its picture sink and its device. Belongs to the main thread, outlives the session.

@@ -127,6 +127,7 @@ struct WindowFrames::Impl {
   PaceWatch pace;
   double samples_per_s = 0, pictures_per_s = 0;
   int pictures = 0;
+  std::chrono::steady_clock::time_point on_tablet;  // the last frame on a headset's tablet
 
   Impl(HandFeed& f, const LaneGauges* g, WindowSettings s)
       : feed(f), gauges(g), set(std::move(s)), desk(set.facts), camera(set.camera) {}
@@ -237,6 +238,13 @@ struct WindowFrames::Impl {
     if (d.tool_changed) feed.answers.push(static_cast<const HandChoice&>(d));
     if (d.undo) plain(ControlSample::undo);
     if (d.redo) plain(ControlSample::redo);
+    if (set.headset) {
+      if (d.headset) set.headset->wanted = !set.headset->wanted;
+      if (d.headset && set.headset->wanted) desk.say("the headset is looked for");
+      for (std::string line; set.headset->shown_words.take(line);) desk.say(line);
+    } else if (d.headset) {
+      desk.say("no headset's runtime is installed here; expected OpenXR's (docs/devices.md)");
+    }
     if (d.next) feed.answers.push(ShowNext{});
     if (d.home) camera = set.camera;
     if (!d.ruler) ruler.clear();
@@ -245,7 +253,7 @@ struct WindowFrames::Impl {
     if (const auto c = d.head.laid_upon()) give(*c);
     for (const Command& c : d.head.asked()) give(c);
     d.head.ask = DeskHead::Ask::nothing;
-    d.tool_changed = d.undo = d.redo = d.next = d.home = d.head.tie = false;
+    d.headset = d.tool_changed = d.undo = d.redo = d.next = d.home = d.head.tie = false;
   }
 
   /// What the person sees now, and that everything up to the last event has been answered.
@@ -482,6 +490,15 @@ struct WindowFrames::Impl {
     return !same;
   }
 
+  /// The whole frame, some times a second while somebody wears the headset.
+  void show_on_tablet() {
+    constexpr std::chrono::milliseconds kEvery{150};
+    const auto now = std::chrono::steady_clock::now();
+    if (!set.headset->worn || now - on_tablet < kEvery) return;
+    on_tablet = now;
+    set.headset->tablet.show(std::make_shared<const Image>(renderer->read()));
+  }
+
   void frame(const Snapshot& s, const ToolState& tool, Screen& screen) {
     const int width = screen.width, height = screen.height;
     ImGui::SetCurrentContext(panels);
@@ -503,6 +520,7 @@ struct WindowFrames::Impl {
     renderer->compose(width, height);
     ui->paint(*ImGui::GetDrawData(), width, height);
     renderer->present(width, height);
+    if (set.headset) show_on_tablet();
     tell(view, width, height);
     if (changed && desk.state.quality == 0)
       ladder.frame(1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
@@ -546,6 +564,7 @@ void WindowFrames::notice(const Notice& notice) {
 bool WindowFrames::wants_frame() {
   Impl& i = *impl_;
   for (WindowEvent e; screen_.events.pop(e);) i.waiting.push_back(e), i.unseen = 2;
+  if (i.set.headset && i.set.headset->shown_words.waiting()) i.unseen = 2;
   if (i.unseen > 0) return true;
   if (++i.quiet >= kStillCalls && !i.at_leisure && i.desk.state.quality == 0) return i.at_leisure = true;
   return ++i.since_frame >= kRefreshFrames;

@@ -11,6 +11,7 @@
 #include <memory>
 #include <string>
 
+#include "app/headset/shared.h"
 #include "app/session/picture_sink.h"
 #include "app/window/desk.h"
 #include "app/window/hand_feed.h"
@@ -23,6 +24,7 @@ struct WindowSettings {
   DeskFacts facts;
   Camera camera;                  // the first view
   std::string picture_dir = ".";  // where pictures asked for are put: limberg-1.png, never replacing a file
+  std::shared_ptr<HeadsetShared> headset = nullptr;  // its tablet shows the window's frames; null: there is none
 };
 
 class WindowFrames final : public PictureSink {
