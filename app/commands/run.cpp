@@ -100,12 +100,12 @@ void add_headset(SessionCall& call, const RunOptions& o) {
     if (!device_kind(spec)->shows) continue;
     if (call.headset) throw InputError("", 0, "--device " + d + " a second time; expected one headset");
     call.headset = std::make_shared<HeadsetShared>();
-    if (!call.goes_on) call.calibration = calibration_with(parse_headset(spec.rest), call.calibration);
+    check_calibration(call.calibration);
   }
   if (call.headset || !o.devices.empty() || o.headless || !has_display() || !o.calibration.empty()) return;
   if (headset_runtime_file().empty()) return;
   call.headset = std::make_shared<HeadsetShared>();
-  call.headset->wanted = false;
+  call.headset->wanted = false, call.headset->takes_over = true;
   call.live_sources.push_back(live_source(DeviceSpec("headset"), 0));
   call.live_names.emplace_back("headset");
 }

@@ -114,6 +114,7 @@ void Eyes::eye(int which, unsigned texture, int width, int height) {
   if (on_tablet_) board_.paint(view, tablet_, w, h, place_.dot_u, place_.dot_v);
   copy_.copy(w, h, texture, width, height);
   took_ns_ = monotonic_ns() - began_ns_;
+  if (which == 1) all_ns_ += took_ns_;
 }
 
 }  // namespace limberg

@@ -52,6 +52,8 @@ class Eyes final : public HeadsetPainter {
   bool begin(const HeadsetFrame& frame) override;
   void eye(int which, unsigned texture, int width, int height) override;
   int64_t frames() const { return frames_; }
+  /// What both eyes of a frame have taken so far, on average.
+  double mean_ms() const { return frames_ > 0 ? double(all_ns_) * 1e-6 / double(frames_) : 0; }
 
  private:
   const RenderScene& build();
@@ -74,7 +76,7 @@ class Eyes final : public HeadsetPainter {
   std::array<View, 2> view_;
   const RenderScene* scene_ = nullptr;
   std::shared_ptr<const Image> on_tablet_;
-  int64_t tablet_version_ = 0, frames_ = 0, began_ns_ = 0, took_ns_ = 0, seen_ns_ = 0;
+  int64_t tablet_version_ = 0, frames_ = 0, began_ns_ = 0, took_ns_ = 0, all_ns_ = 0, seen_ns_ = 0;
   bool placed_ = false;
 };
 

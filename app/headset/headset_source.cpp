@@ -68,70 +68,53 @@ HeadsetSettings parse_headset(const std::string& text) {
   return s;
 }
 
-Calibration calibration_with(const HeadsetSettings& settings, const Calibration& calibration) {
-  Calibration c = calibration;
-  const bool carried = c.world_from_tracker_mm != Vec3::Zero() || c.tip_offset_mm != Vec3::Zero() ||
+void check_calibration(const Calibration& c) {
+  const bool carries = c.world_from_tracker_mm != Vec3::Zero() || c.tip_offset_mm != Vec3::Zero() ||
                        std::abs(std::abs(c.world_from_tracker_quat[0]) - 1) > 1e-6 || !c.distortion.empty();
-  if (carried)
+  if (carries)
     throw InputError("", 0,
                      "--calibration with a room or the tip of a stylus, and --device headset, whose places are the "
                      "patient's already; expected a calibration of filter and glove alone, or none");
-  const double s = settings.eyes.room.scale;
-  if (s == 1) return c;
-  FilterParameters& f = c.filter;
-  f.process_noise_mm2_s3 /= s * s, f.measurement_noise_mm /= s;
-  f.euro_beta_per_mm *= s, f.max_speed_mm_s /= s;
-  const auto shorten = [s](GloveParameters& g) {
-    g.closed_mm /= s, g.open_mm /= s;
-    g.forefinger_tip_mm /= s, g.thumb_tip_mm /= s;
-  };
-  shorten(c.glove);
-  if (c.other_glove) shorten(*c.other_glove);
-  return c;
 }
 
-TrackerSample HandStations::station(int which, StationRole role, int32_t device, const RoomPose& pose,
-                                    const PatientPlace& place) {
+TrackerSample HandStations::station(int which, StationRole role, int32_t device, const Vec3& at_mm,
+                                    const Eigen::Quaterniond& q) {
   TrackerSample t;
   t.device_id = device;
   t.station = which;
   t.seq = seq_[which]++;
   t.role = role;
-  t.pos_mm = place.to_patient(pose.at_m);
-  const Eigen::Quaterniond q = place.to_patient(pose.turned);
+  t.pos_mm = at_mm;
   t.quat = {q.w(), q.x(), q.y(), q.z()};
   return t;
 }
 
 int HandStations::samples(const HandReading& hand, const PatientPlace& place, bool suppress, TrackerSample (&out)[3]) {
-  const int32_t device = HeadsetSettings::kDevice + (has_stylus_ ? 1 : 0);
-  int n = 0;
-  const auto finger = [&](int which, StationRole role, RoomPose pose) {
-    pose.turned = sensor_of(pose.turned);
-    out[n++] = station(which, role, device, pose, place);
-  };
   if (has_stylus_ && hand.controller) {
     // The shaft is its +z, from the tip to the hand: so it is of a pose that looks along -z.
-    RoomPose tip = hand.aim;
-    tip.at_m = along(hand.aim, kTip_m);
-    out[n] = station(1, StationRole::stylus, HeadsetSettings::kDevice, tip, place);
-    out[n].buttons = (hand.press && !suppress ? 1u : 0u) | (hand.clutch ? 2u : 0u);
-    return ++n;
+    out[0] = station(1, StationRole::stylus, HeadsetSettings::kDevice, place.to_patient(along(hand.aim, kTip_m)),
+                     place.to_patient(hand.aim.turned));
+    out[0].buttons = (hand.press && !suppress ? 1u : 0u) | (hand.clutch ? 2u : 0u);
+    return 1;
   }
-  const StationRole first = has_stylus_ ? StationRole::other_forefinger : StationRole::forefinger,
-                    second = has_stylus_ ? StationRole::other_thumb : StationRole::thumb;
-  if (hand.fingers) {
-    finger(2, first, hand.forefinger), finger(3, second, hand.thumb);
-  } else if (hand.controller) {
+  RoomPose forefinger = hand.forefinger, thumb = hand.thumb;
+  if (!hand.fingers && hand.controller) {
     // As fast as a hand closes: a tracker that leaps is not believed.
     const double step = kClosing_m_s * double(kReadEveryNs) * 1e-9;
     open_m_ = hand.press ? std::max(kClosed_m, open_m_ - step) : std::min(kOpen_m, open_m_ + step);
-    RoomPose forefinger = hand.aim, thumb = hand.aim;
+    forefinger = thumb = hand.aim;
     forefinger.at_m = along(hand.aim, kTip_m);
     thumb.at_m = forefinger.at_m + open_m_ * (hand.aim.turned * Vec3::UnitX());
-    finger(2, first, forefinger), finger(3, second, thumb);
+  } else if (!hand.fingers) {
+    return 0;
   }
-  return n;
+  const int32_t device = HeadsetSettings::kDevice + (has_stylus_ ? 1 : 0);
+  const Vec3 tip = place.to_patient(forefinger.at_m), apart = 1000 * place.direction(thumb.at_m - forefinger.at_m);
+  out[0] = station(2, has_stylus_ ? StationRole::other_forefinger : StationRole::forefinger, device, tip,
+                   place.to_patient(sensor_of(forefinger.turned)));
+  out[1] = station(3, has_stylus_ ? StationRole::other_thumb : StationRole::thumb, device, tip + apart,
+                   place.to_patient(sensor_of(thumb.turned)));
+  return 2;
 }
 
 struct HeadsetSource::Impl {
@@ -212,8 +195,8 @@ struct HeadsetSource::Impl {
       }
       if (const int64_t now = monotonic_ns(); now - told_ns > 500'000'000) {
         told_ns = now;
-        tell(fmt::format("{}: {} frames, {:.0f} a second", name, eyes.frames(),
-                         double(eyes.frames()) * 1e9 / double(now - began)),
+        tell(fmt::format("{}: {} frames, {:.1f} a second, {:.1f} ms to draw both eyes of one", name, eyes.frames(),
+                         double(eyes.frames()) * 1e9 / double(now - began), eyes.mean_ms()),
              false);
       }
     }
@@ -234,9 +217,9 @@ struct HeadsetSource::Impl {
     }
   }
 
-  /// Its stylus is the one that is followed while somebody wears it; then whichever sends first.
+  /// Then its stylus is the one that is followed, and after that whichever sends first.
   void wear(bool worn) {
-    if (shared->worn.exchange(worn) == worn) return;
+    if (shared->worn.exchange(worn) == worn || !shared->takes_over) return;
     ControlSample c;
     c.device_id = HeadsetSettings::kDevice, c.kind = ControlSample::stylus, c.seq = control_seq++;
     c.value[0] = worn ? double(HeadsetSettings::kDevice) : 0;

@@ -29,11 +29,13 @@ struct HeadsetSettings {
 /// "", "left", "scale=3", "left,scale=3,table=0.9": the options of --device headset. InputError on what cannot be read.
 HeadsetSettings parse_headset(const std::string& text);
 
-/// The calibration of a session with a headset: its places are the patient's already, and lengths of the hand are so
-/// many times shorter there. InputError where it carries the tracker of a room, or the tip of a stylus.
-Calibration calibration_with(const HeadsetSettings& settings, const Calibration& calibration);
+/// A headset's places are the patient's already: InputError for a calibration that carries the tracker of a room, or
+/// the tip of a stylus.
+void check_calibration(const Calibration& calibration);
 
-/// Of one hand: readings in the patient's frame, as samples of stations.
+/// Of one hand: readings in the patient's frame, as samples of stations. A hand keeps its own size in the patient,
+/// however large that lies in the room: its forefinger's tip is where it is seen, its thumb's as far from there as it
+/// is.
 class HandStations {
  public:
   explicit HandStations(bool has_stylus) : has_stylus_(has_stylus) {}
@@ -41,7 +43,7 @@ class HandStations {
   int samples(const HandReading& hand, const PatientPlace& place, bool suppress, TrackerSample (&out)[3]);
 
  private:
-  TrackerSample station(int which, StationRole role, int32_t device, const RoomPose& pose, const PatientPlace& place);
+  TrackerSample station(int which, StationRole role, int32_t device, const Vec3& at_mm, const Eigen::Quaterniond& q);
   bool has_stylus_;
   int64_t seq_[5]{};
   double open_m_ = 0.07;  // of a hand that is a controller

@@ -7,6 +7,8 @@ namespace limberg {
 
 namespace {
 
+constexpr float kCloth = -1;  // PropVertex::metal
+
 /// Ahead along the floor: where it looks, or where its crown points when it looks straight down.
 Vec3 ahead_of(const RoomPose& head) {
   Vec3 ahead = -(head.turned * Vec3::UnitZ());
@@ -75,9 +77,9 @@ PropMesh room_props(const PatientPlace& place, const Vec3f& low_mm, const Vec3f&
   const Vec3f middle = 0.5f * (low_mm + high_mm);
   const Vec3f top = middle + (lowest - 0.004f * mm - middle.dot(turn.col(1))) * turn.col(1);
   const Vec3f half(0.45f * mm, 0.02f * mm, 0.28f * mm);
-  add_box(mesh, top - half.y() * turn.col(1), turn, half, {{0.05f, 0.20f, 0.17f}, 0, 0});
+  add_box(mesh, top - half.y() * turn.col(1), turn, half, {{0.05f, 0.20f, 0.17f}, kCloth, 0});
   add_box(mesh, top - (2 * half.y() + 0.25f * mm) * turn.col(1), turn, {0.10f * mm, 0.25f * mm, 0.10f * mm},
-          {{0.16f, 0.17f, 0.18f}, 0, 0});
+          {{0.16f, 0.17f, 0.18f}, kCloth, 0});
   // A floor of tiles, so that one sees where it is.
   constexpr int kTiles = 8;
   const float tile = 0.5f * mm;
@@ -89,7 +91,7 @@ PropMesh room_props(const PatientPlace& place, const Vec3f& low_mm, const Vec3f&
       const Vec3f a = tile * turn.col(2), b = tile * turn.col(0), n = turn.col(1), colour(grey, grey, 1.03f * grey);
       const uint32_t first = uint32_t(mesh.vertex.size());
       for (const Vec3f& x : {corner, Vec3f(corner + a), Vec3f(corner + a + b), Vec3f(corner + b)})
-        mesh.vertex.push_back({x, n, colour, 0, 0});
+        mesh.vertex.push_back({x, n, colour, kCloth, 0});
       mesh.tri.push_back({first, first + 1, first + 2});
       mesh.tri.push_back({first, first + 2, first + 3});
     }
@@ -97,7 +99,7 @@ PropMesh room_props(const PatientPlace& place, const Vec3f& low_mm, const Vec3f&
 }
 
 BoardPlace tablet_place(const PatientPlace& place, const RoomPose& head, double width_over_height) {
-  constexpr double kWidth_m = 0.44, kLeft_m = 0.40, kBehind_m = 0.16, kAbove_m = 0.20;
+  constexpr double kWidth_m = 0.42, kLeft_m = 0.24, kBehind_m = 0.30, kAbove_m = 0.14;
   const Vec3 ahead = place.ahead(), up = Vec3::UnitY();
   const Vec3 centre = place.at_m() - kLeft_m * ahead.cross(up) + kBehind_m * ahead + kAbove_m * up;
   const Vec3 to_eyes = (head.at_m - centre).normalized();

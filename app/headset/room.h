@@ -15,10 +15,10 @@
 namespace limberg {
 
 struct RoomSettings {
-  double scale = 1;       // times life size
-  double table_m = 0.95;  // height of what is operated on above the floor
-  double reach_m = 0.40;  // from the head to it, along the floor
-  double below_m = 0.40;  // it lies at least so far below the eyes of one who sits
+  double scale = 2;       // times life size: a headset has a third of a screen's pixels for a degree
+  double table_m = 1.00;  // height of what is operated on above the floor
+  double reach_m = 0.35;  // from the head to it, along the floor
+  double below_m = 0.35;  // it lies at least so far below the eyes of one who sits
 };
 
 class PatientPlace {

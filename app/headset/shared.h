@@ -84,6 +84,7 @@ struct HeadsetShared {
   std::atomic<bool> over{false};    // the session has ended
   std::atomic<bool> worn{false};    // it has the hands: somebody looks at the tablet
   std::atomic<bool> wanted{true};   // it is looked for, and drawn to
+  bool takes_over = false;          // its stylus is the one that is followed while somebody wears it
   HeadsetWords words, shown_words;  // for the terminal; for the window
   TabletPicture tablet;
   SpscRing<TabletEvent> events{1 << 9};

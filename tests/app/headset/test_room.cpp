@@ -121,7 +121,7 @@ TEST(HeadsetHands, AControllerIsAStylusWhoseTipIsBeforeIt) {
   EXPECT_EQ(out[0].role, StationRole::stylus);
   EXPECT_EQ(out[0].buttons, 3u);
   const Vec3 controller = place().to_patient(r.aim.at_m), tip = out[0].pos_mm;
-  EXPECT_NEAR((controller - tip).norm(), 50, 1e-6);
+  EXPECT_NEAR((controller - tip).norm(), 50 / RoomSettings{}.scale, 1e-6);
   const Eigen::Quaterniond q(out[0].quat[0], out[0].quat[1], out[0].quat[2], out[0].quat[3]);
   EXPECT_LT((q * Vec3::UnitZ() - (controller - tip).normalized()).norm(), 1e-9);  // from the tip to the hand
   ASSERT_EQ(hand.samples(r, place(), true, out), 1);
@@ -181,6 +181,16 @@ TEST(HeadsetHands, TheHandOfTheStylusIsTheOtherGloveWithoutItsController) {
   EXPECT_EQ(out[1].role, StationRole::other_thumb);
   EXPECT_NE(out[0].device_id, HeadsetSettings::kDevice);
   EXPECT_EQ(HandStations(true).samples({}, place(), false, out), 0);
+}
+
+TEST(HeadsetOptions, ACalibrationOfAnotherTrackerIsRefused) {
+  Calibration c;
+  c.glove.open_mm = 60;
+  EXPECT_NO_THROW(check_calibration(c));
+  c.tip_offset_mm = {0, 0, 80};
+  EXPECT_THROW(check_calibration(c), InputError);
+  c.tip_offset_mm.setZero(), c.world_from_tracker_mm = {100, 0, 0};
+  EXPECT_THROW(check_calibration(c), InputError);
 }
 
 TEST(HeadsetOptions, AreReadOrRefused) {
