@@ -7,11 +7,12 @@
 //   views WIDTH HEIGHT            of an eye, pixels (96 80)
 //   period_ms MS                  of a frame (11); "fast": nobody waits for it
 //   no EXTENSION | no headset     that the runtime does not have
-//   head T  x y z  w x y z        keys of a path: seconds since the session was made, metres, quaternion
+//   head T  x y z  w x y z        keys of a path: seconds since the session's first frame, metres, quaternion
 //   left T  x y z  w x y z  press clutch place        a controller; "left T off": not tracked from there on
 //   left_hand T  x y z  w x y z  aperture_m           a tracked hand: its forefinger's tip; the thumb's lies along -x
 //   keep N ...                    pictures of these frames are kept (from 0); "keep last": of the newest one
 //   at N lose | lose_instance | stop | exit           what happens after frame N
+//   end_s T [N]                   the program gets a Ctrl-C then, in its N-th session (1)
 //   fail FUNCTION                 xr... answers XR_ERROR_RUNTIME_FAILURE
 //
 // It is stricter than a runtime need be: the session's context has to be current where images are made and handed in,
@@ -30,6 +31,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -109,6 +111,8 @@ struct Script {
   uint32_t width = 96, height = 80;
   double period_ms = 11;
   bool fast = false, keep_last = false;
+  double end_s = -1;
+  int end_session = 1;
   std::set<std::string> without, failing;
   std::map<std::string, Path> path;
   std::set<int64_t> keep;
@@ -127,6 +131,10 @@ Script read_script() {
       words >> s.width >> s.height;
     } else if (what == "period_ms") {
       words >> s.period_ms;
+    } else if (what == "end_s") {
+      int session = 1;
+      words >> s.end_s;
+      if (words >> session) s.end_session = session;
     } else if (what == "fast") {
       s.fast = true;
     } else if (what == "no") {
@@ -209,6 +217,7 @@ struct Runtime {
   std::map<int64_t, std::array<XrPosef, 2>> given;  // eyes, by the time they were asked for
   std::set<std::string> enabled;
   uint64_t next_handle = 100;
+  int sessions = 0;
   Gl gl;
   bool egl = false;
   EGLContext egl_context = nullptr;
@@ -257,7 +266,10 @@ XrResult enumerate(const std::vector<T>& all, uint32_t room, uint32_t* count, T*
   return XR_SUCCESS;
 }
 
-double since_session(XrTime t) { return double(t - rt().session_ns) / double(kNsPerS); }
+/// A machine may be slow to begin.
+double since_session(XrTime t) {
+  return rt().frame == 0 ? 0 : std::max(0.0, double(t - rt().session_ns) / double(kNsPerS));
+}
 Key head_at(XrTime t) {
   Key k = at(rt().script.path["head"], since_session(t));
   if (!k.on) k = {.pose = {{0, 0, 0, 1}, {0, 1.6f, 0}}};
@@ -427,6 +439,7 @@ XrResult create_session(XrInstance, const XrSessionCreateInfo* info, XrSession* 
   get(r.gl.GetTexImage, "glGetTexImage"), get(r.gl.GetIntegerv, "glGetIntegerv");
   get(r.gl.PixelStorei, "glPixelStorei");
   r.have_session = true, r.running = r.in_frame = r.exiting = r.ended = r.lost = r.attached = false;
+  ++r.sessions;
   r.session_ns = now_ns(), r.frame = r.waited = 0, r.last_shown_ns = r.session_ns;
   r.events.clear();
   *session = reinterpret_cast<XrSession>(3);
@@ -692,6 +705,9 @@ XrResult end_frame(XrSession, const XrFrameEndInfo* info) {
     }
   }
   log(line.str());
+  if (r.frame == 0) r.session_ns = now_ns();
+  if (r.script.end_s >= 0 && r.sessions == r.script.end_session && since_session(now_ns()) >= r.script.end_s)
+    r.script.end_s = -1, std::raise(SIGINT);
   for (const std::string& e : r.script.at_frame[r.frame]) {
     if (e == "lose") state_changed(XR_SESSION_STATE_LOSS_PENDING), r.lost = true;
     if (e == "lose_instance") r.instance_lost = true;

