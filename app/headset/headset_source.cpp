@@ -143,7 +143,7 @@ struct HeadsetSource::Impl {
         one_session();
         if (wanted())
           tell("the headset's runtime has ended the session; it is looked for again");
-        else
+        else if (!over())
           tell("the headset is off");
       } catch (const std::exception& e) {
         tell(std::string(e.what()) + "; the session goes on without, and it is looked for again");
