@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The two commands of Limberg, and ten for those who work on it.
+# The two commands of Limberg, and eleven for those who work on it.
 #   ./do demo [NAME]   build, then replay a shipped recording headless into out/demo (default: rhomboid)
 #   ./do test          check the format, build, run every test, and name what was skipped
 #   ./do build         build only; the binary is build/limberg
@@ -9,6 +9,7 @@
 #   ./do bench [SUITE] run a benchmark suite (default: speed); for cutting CGAL is installed too, to compare with
 #   ./do figures [RESULT.json ...] keep results of limberg bench in docs/figures, write docs/figures.md
 #   ./do face          make the surface and the picture of the shipped face anew
+#   ./do headset       install what a headset needs (OpenXR), build with it, and test it against a runtime of our own
 #   ./do python        build Python's module into build-python/python, and test it
 #   ./do format        clang-format over the tree
 set -euo pipefail
@@ -166,6 +167,14 @@ case "${1:-help}" in
     build limberg_face_surface
     build/limberg_face_surface app/scenes
     ;;
+  headset)  # build/ has it from then on; -DLIMBERG_OPENXR=OFF takes it out again
+    packages+=(libopenxr-dev libopenxr-loader1 openxr-layer-corevalidation libegl-dev libx11-dev)
+    ensure_packages
+    cmake --preset release -DLIMBERG_OPENXR=ON >/dev/null
+    build limberg
+    build test_headset
+    ctest --test-dir build --output-on-failure -R '^(Room|Headset)'
+    ;;
   python)  # in a folder of its own: its archives are position independent, those of build/ stay as they are
     packages+=(python3-dev pybind11-dev python3-pybind11 python3-numpy)
     build limberg
@@ -176,5 +185,5 @@ case "${1:-help}" in
   format)
     git ls-files '*.h' '*.cpp' | xargs clang-format -i
     ;;
-  *) sed -n '2,13s/^# \{0,1\}//p' "$0"; exit 2 ;;
+  *) sed -n '2,14s/^# \{0,1\}//p' "$0"; exit 2 ;;
 esac

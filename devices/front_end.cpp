@@ -91,6 +91,9 @@ void DeviceFrontEnd::control(const ControlSample& c) {
         wanted_hand_ = 0;
       if (c.value[kCursorGain] > 0) glove_[which].set_cursor_gain(c.value[kCursorGain]);
       break;
+    case ControlSample::stylus:
+      follow(int32_t(c.value[0]));
+      break;
     case ControlSample::hand_gain:
       glove_[which].set_gain(c.value[0]);
       break;
@@ -118,6 +121,14 @@ void DeviceFrontEnd::on_sample(const Sample& sample) {
     if (t->role == StationRole::other_forefinger) glove_[1].add(StationRole::forefinger, *t);
     if (t->role == StationRole::other_thumb) glove_[1].add(StationRole::thumb, *t);
   }
+}
+
+void DeviceFrontEnd::follow(int32_t device) {
+  if (have_stylus_ && device == stylus_) return;
+  have_stylus_ = device != 0, stylus_ = device;
+  tracker_.begin_anew();
+  if (pressed_) ++edges_;
+  pressed_ = clutch_button_ = false;
 }
 
 void DeviceFrontEnd::add_stylus(const StylusSample& s, int32_t device) {

@@ -10,6 +10,9 @@
 // (ControlSample::glove, glove_hand.h): then it cuts, and the stylus rests. ControlSample::hand_gain says how far its
 // hand goes in the scene. There may be two gloves (StationRole::other_forefinger, other_thumb), with a fragment each.
 //
+// The first stylus that sends is followed, and no other beside it; ControlSample::stylus names another one (a headset
+// was put on, or off). What is pressed then is let go.
+//
 // With the surface cursor on (ControlSample::cursor) the stylus pushes a place of the skin about instead of being there
 // (surface_cursor.h); every tool then acts at that place, and the second button is the clutch.
 //
@@ -75,6 +78,7 @@ class DeviceFrontEnd final : private SampleSink, private EventSink {
   bool push(const ToolEvent& event) override;  // numbers the events of both hands
   void missed(const MissedPress& press) override { events_->missed(press); }
   void add_stylus(const StylusSample& s, int32_t device);
+  void follow(int32_t device);
   void control(const ControlSample& c);
   void pass_tool();
   Pose stylus_pose(int64_t now_ns, const Snapshot& s, Ground ground);

@@ -60,9 +60,10 @@ struct ControlSample {
     name_place = 7,  // of a head: what the tool touches has a name from now on
     clutch = 9,
     glove = 17,  // what a glove does
-    hand_gain = 18
-  };  // 8, 10 to 16, and 7 with a place: in recordings before command_t (old_controls.h)
-  static constexpr int32_t kLastKind = hand_gain;
+    hand_gain = 18,
+    stylus = 19  // whose stylus is followed
+  };             // 8, 10 to 16, and 7 with a place: in recordings before command_t (old_controls.h)
+  static constexpr int32_t kLastKind = stylus;
   int32_t device_id = 0;
   int64_t seq = 0, t_ns = 0;
   int32_t kind = select_tool;
@@ -74,6 +75,7 @@ struct ControlSample {
                 // name_place: value[3] says what the name is for (Touched)
                 // glove: kGloveMode, kCursorGain (0: as it was), kWhichGlove; hand_gain: the gain (0: the hand is
                 // where it is in the room again), kWhichGlove
+                // stylus: its device id; 0: of the device that sends first from now on
                 // angle_deg 0: the blade's angle is read from the shaft during the stroke
 };
 

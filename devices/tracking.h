@@ -52,6 +52,8 @@ class StylusTracker {
   void add(const StylusSample& sample);
   /// The pose at `now_ns`; call once per tick with growing times.
   Pose at(int64_t now_ns);
+  /// Another device's readings follow, with numbers and times of their own; until then there is no pose.
+  void begin_anew() { running_ = false, last_seq_ = -1; }
   const TrackingCounts& counts() const { return counts_; }
 
  private:

@@ -86,6 +86,11 @@ class EglContext final : public GlContext {
   }
   void* address(const char* function) const override { return reinterpret_cast<void*>(address_(function)); }
   std::string describe() const override { return "EGL without a surface"; }
+  NativeContext native() const override {
+    NativeContext n;
+    n.kind = NativeContext::egl, n.display = display_, n.context = context_, n.address = address_;
+    return n;
+  }
 
  private:
   /// The devices that are not software; none where EGL cannot list them.

@@ -16,6 +16,16 @@ class RenderUnavailable : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A context as those have to be told of it who share its objects: the runtime of a headset.
+struct NativeContext {
+  enum Kind { none, egl, glx } kind = none;
+  void *display = nullptr, *config = nullptr,
+       *context = nullptr;                      // EGL's, or GLX's (Display*, GLXFBConfig, GLXContext)
+  unsigned long drawable = 0;                   // GLX: what it draws to
+  unsigned visual = 0;                          // GLX: number of the visual
+  void (*(*address)(const char*))() = nullptr;  // EGL: where its functions are
+};
+
 class GlContext {
  public:
   virtual ~GlContext() = default;
@@ -24,6 +34,7 @@ class GlContext {
   virtual std::string describe() const = 0;
   /// Shows what was drawn into the context's own frame; nothing where there is no window.
   virtual void show() {}
+  virtual NativeContext native() const { return {}; }
 };
 
 struct OsMesaSettings {
@@ -41,6 +52,10 @@ std::unique_ptr<GlContext> make_osmesa_context(const OsMesaSettings& settings = 
 /// Off-screen context through EGL without a surface, loaded with dlopen: the graphics card's driver where there is one.
 /// RenderUnavailable when the library is absent or refuses OpenGL 3.3 core.
 std::unique_ptr<GlContext> make_egl_context(const std::string& library = "libEGL.so.1");
+
+/// Off-screen context of an X server, of a connection of its own, with both libraries loaded by dlopen.
+/// RenderUnavailable when there is no server, no library or no OpenGL 3.3 core.
+std::unique_ptr<GlContext> make_glx_context(const std::string& library = "libGL.so.1");
 
 /// How many threads of their own software drivers may use: 0 = the thread that draws does
 /// all of it, so that its priority and its share of time (app/session/drawing_share.h)

@@ -14,7 +14,7 @@ namespace limberg {
 struct PropVertex {
   Vec3f x_mm, normal;
   Vec3f colour;     // linear RGB
-  float metal = 0;  // 0 plastic or thread, 1 steel
+  float metal = 0;  // 0 plastic or thread, 1 steel, -1 cloth
   uint32_t id = 0;  // Part << 24 | number
 };
 

@@ -84,7 +84,7 @@ class SceneBuilder {
   // To the scene that was built last:
   /// Adds the skin's principal stretches (glyphs.h).
   void add_stretch_glyphs(const Snapshot& snapshot);
-  /// Adds props of the caller's: a drawing on the skin, say.
+  /// Adds things without mechanics: a drawing on the skin, a room.
   void add_props(const PropMesh& props);
   /// Adds lines. One list each for ends and colours, of equal length.
   void add_lines(const SceneLines& lines);

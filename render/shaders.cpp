@@ -417,10 +417,10 @@ void main() {
   if (dot(n, v) < 0.0) n = -n;
   float shade = lit(v_world, n), nl = max(dot(n, key_direction), 0.0);
   vec3 plain = v_colour * (key_colour * nl * shade * 0.318 + hemisphere(n) * 0.45 + fill_colour * 0.12) +
-               key_colour * lobe(n, v, key_direction, 0.36, 0.05) * shade * 0.7;
+               key_colour * lobe(n, v, key_direction, 0.36, 0.05) * shade * 0.7 * (1.0 + min(v_metal, 0.0));
   vec3 f = v_colour + (1.0 - v_colour) * pow(1.0 - max(dot(n, v), 0.0), 5.0);
   vec3 steel = f * room(reflect(-v, n)) * mix(0.75, 1.0, shade) + key_colour * lobe(n, v, key_direction, 0.25, 0.5) * shade * 0.8;
-  colour = vec4(to_screen(mix(plain, steel, v_metal)), 1.0);
+  colour = vec4(to_screen(mix(plain, steel, max(v_metal, 0.0))), 1.0);
 }
 )";
 

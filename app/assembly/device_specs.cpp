@@ -8,6 +8,7 @@
 #include <iterator>
 #include <vector>
 
+#include "app/headset/headset_source.h"
 #include "devices/desktop_source.h"
 #include "devices/driver/driver_port.h"
 #include "devices/fastrak/port.h"
@@ -145,6 +146,12 @@ LiveSource driver(const DeviceSpec& spec, int number) {
   };
 }
 
+LiveSource headset(const DeviceSpec& spec, int) {
+  return [s = parse_headset(spec.rest)](const LiveStart& start) {
+    return std::make_unique<HeadsetSource>(s, start.time, start.headset);
+  };
+}
+
 // Roles of a FASTRAK: a letter a station, f forefinger, t thumb, F and T those of a second glove, s stylus.
 constexpr DeviceKind kKinds[] = {
     {.name = "emulated",
@@ -199,7 +206,12 @@ constexpr DeviceKind kKinds[] = {
      .form = "driver:PATH[,OPTIONS]",
      .meaning = "a device by a driver of yours, a shared library (devices/driver/limberg_driver.h)",
      .feels = true,
-     .live = driver}};
+     .live = driver},
+    {.name = "headset",
+     .form = "headset[:left][,scale=S][,table=M]",
+     .meaning = "a headset with its controllers and hands, by OpenXR",
+     .shows = true,
+     .live = headset}};
 
 }  // namespace
 

@@ -12,10 +12,13 @@
 
 namespace limberg {
 
+struct HeadsetShared;
+
 /// What a live source is given when the clock starts.
 struct LiveStart {
   SourceTime time;
   std::shared_ptr<StiffnessLine> stiffness;  // to a patient that can be felt; null: none
+  std::shared_ptr<HeadsetShared> headset;    // what a headset shows; null: it shows nothing
 };
 using LiveSource = std::function<std::unique_ptr<Source>(const LiveStart&)>;
 
@@ -33,6 +36,7 @@ struct DeviceKind {
   bool tracked = false;   // its places are those of a tracker: they mean little without a calibration
   bool own_hand = true;   // something beside the mouse of the desk that a person operates with
   bool feels = false;     // pushes back, by the wall's clock
+  bool shows = false;     // it is seen through: a headset
   bool over_lcm = false;  // what is published comes back through it
   /// Null: `run` makes it of the file. InputError where the spec is badly put; no source where it means nothing.
   LiveSource (*live)(const DeviceSpec& spec, int number) = nullptr;

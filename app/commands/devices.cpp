@@ -158,7 +158,7 @@ int devices(const DevicesOptions& o) {
     const LiveSource live = live_source(DeviceSpec(names[i]), int(i));
     if (!live) throw InputError("", 0, "--device " + names[i] + ": no live device; expected " + device_forms(true));
     try {
-      sources.push_back(live({start, nullptr}));
+      sources.push_back(live({start, nullptr, nullptr}));
       ++i;
     } catch (const InputError& e) {
       if (!o.devices.empty()) throw;

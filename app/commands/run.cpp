@@ -9,6 +9,7 @@
 #include "app/commands/left_recordings.h"
 #include "app/commands/numbers.h"
 #include "app/commands/recorded_call.h"
+#include "app/headset/headset_source.h"
 #include "app/program/shipped.h"
 #include "app/result/output.h"
 #include "app/result/progress.h"
@@ -103,6 +104,24 @@ void check_slow_motion(const RunOptions& o, bool hand_waits) {
                            ", whose forces need the wall's clock; expected a device without forces");
 }
 
+/// What a headset shows, where one is among the devices. Where none is asked for and a runtime is installed, the window
+/// offers it: it waits until a key asks for it.
+void add_headset(SessionCall& call, const RunOptions& o) {
+  for (const std::string& d : o.devices) {
+    const DeviceSpec spec(d);
+    if (!device_kind(spec)->shows) continue;
+    if (call.headset) throw InputError("", 0, "--device " + d + " a second time; expected one headset");
+    call.headset = std::make_shared<HeadsetShared>();
+    check_calibration(call.calibration);
+  }
+  if (call.headset || !o.devices.empty() || o.headless || !has_display() || !o.calibration.empty()) return;
+  if (headset_runtime_file().empty()) return;
+  call.headset = std::make_shared<HeadsetShared>();
+  call.headset->wanted = false, call.headset->takes_over = true;
+  call.live_sources.push_back(live_source(DeviceSpec("headset"), 0));
+  call.live_names.emplace_back("headset");
+}
+
 int run_session(const RunOptions& o) {
   o.common.prepare();
   if (!o.continued.empty() && o.automatic.on)
@@ -117,6 +136,7 @@ int run_session(const RunOptions& o) {
     call.point = o.automatic.apply(call.scene);
   }
   for (const std::string& d : o.devices) add_device(call, d);
+  add_headset(call, o);
   std::vector<Command> lesson;
   if (const std::string file =
           call.goes_on && o.lesson.empty() ? shipped_file("recordings/" + call.scene.name + ".jsonl") : lesson_file(o);
@@ -139,6 +159,7 @@ int run_session(const RunOptions& o) {
     }
     w.calibrated |= !tracked;  // what else there is says where it is in the patient's own measure
     w.mouse = o.devices.empty();
+    w.headset = call.headset;
     w.recording = call.goes_on && o.record.empty() ? name_of_continuation(call.goes_on->file) : o.record;
     if (!o.common.out_dir.empty()) w.picture_dir = o.common.out_dir;
     call.keep_dir = w.picture_dir;

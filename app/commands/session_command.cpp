@@ -552,7 +552,14 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   set.interrupted = interrupted;
   set.progress = progress_line(call, progress);
   set.say = [&](const std::string& line) { progress.clear(), say(line); };
-  if (window) set.gauges = &window->gauges(), set.pump = [&] { window->pump(); };
+  if (window) set.gauges = &window->gauges();
+  if (window || call.headset)
+    set.pump = [&] {
+      if (window) window->pump();
+      if (call.headset)
+        for (std::string line; call.headset->words.take(line);) set.say(line);
+    };
+  if (call.headset) call.headset->channels = &a.channels, call.headset->camera = scene_camera(a.scene);
   // On a virtual clock frames are samples of the picture, one a second.
   if (!call.real_time) set.ticks_per_frame = film ? 1000 / call.film->frames_per_s : 1000;
   // A recording that is whole says itself how it came to rest.
@@ -594,7 +601,8 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
     // Between the opening of the recording and tick 0 lie seconds.
     if (recorder && !earlier) recorder->began(utc_ns() + start_ns - RealClock::monotonic_ns());
     for (const LiveSource& live : call.live_sources) {
-      auto source = live({SourceTime(start_ns, set.slow_motion, set.first_tick * kDeviceTickNs), a.channels.press});
+      auto source =
+          live({SourceTime(start_ns, set.slow_motion, set.first_tick * kDeviceTickNs), a.channels.press, call.headset});
       devices.push_back(source.get());
       add(std::move(source));
     }
@@ -609,6 +617,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
     failure = e;
   }
   progress.clear();
+  if (call.headset) call.headset->over = true;
   const bool keep = window && window->keep_recording();
   window.reset();
   if (failure) leave_failure(*failure, call, a, keep_after_failure(aside, recorder.get()));

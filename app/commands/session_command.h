@@ -10,6 +10,7 @@
 #include "app/assembly/lesson.h"
 #include "app/assembly/patient_of_scene.h"
 #include "app/commands/commands.h"
+#include "app/headset/shared.h"
 #include "app/operating_point/operating_point.h"
 #include "app/pictures/film.h"
 #include "app/result/session_result.h"
@@ -27,9 +28,10 @@ struct SessionCall {
   bool slow_motion = false;      // in real time, a live hand: the clock may run slower than the wall's (session.h)
   bool progressive_cut = false;  // incisions open while they are drawn; recordings say whether they did
   std::vector<std::unique_ptr<Source>> sources;
-  std::vector<LiveSource> live_sources;  // made when the clock starts
-  std::vector<std::string> live_names;   // as they were asked for
-  std::string record_file;               // empty: none
+  std::vector<LiveSource> live_sources;    // made when the clock starts
+  std::shared_ptr<HeadsetShared> headset;  // what a headset among them shows; null: there is none
+  std::vector<std::string> live_names;     // as they were asked for
+  std::string record_file;                 // empty: none
   bool replace_record = false;
   std::string
       keep_dir;  // with a window and no record_file: recorded aside all the same; kept here when the operator says so

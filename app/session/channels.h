@@ -5,6 +5,7 @@
 //     device ──ring: presses that came to nothing──────► render
 //     device ──triple buffer: where the hand is────────► solver, render
 //     solver ──triple buffer: the patient──────────────► device, render, and main while a step is shown
+//     solver, device ──the same for a headset's eyes, while there is one
 //     solver ──ring: stages passed, acts done──────────► render
 //     device ──ring: every sample as received──────────► recorder
 //     device, solver ──rings: what they found──────────► recorder (live sessions)
@@ -65,8 +66,9 @@ struct Channels {
   std::atomic<bool> want_field{false};   // render asks the solver for the tension
   std::atomic<bool> want_lattice{false};
   std::atomic<bool> want_patient_shown{false};  // the main thread asks for patient_to_main
-  TripleBuffer<HandState> hand_to_solver, hand_to_render;
-  TripleBuffer<PatientState> patient_to_device, patient_to_render, patient_to_main;
+  std::atomic<bool> want_headset{false};        // a headset's drawing thread asks for what is to it
+  TripleBuffer<HandState> hand_to_solver, hand_to_render, hand_to_headset;
+  TripleBuffer<PatientState> patient_to_device, patient_to_render, patient_to_main, patient_to_headset;
   std::shared_ptr<PressLine> press;  // null: no device feels anything
 };
 

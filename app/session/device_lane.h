@@ -23,6 +23,8 @@ class DeviceLane final : private EventSink, private SampleSink {
     hand_.sample_ns = front_.last_sample_ns();
     ch_.hand_to_solver.writing() = hand_, ch_.hand_to_solver.publish();
     ch_.hand_to_render.writing() = hand_, ch_.hand_to_render.publish();
+    if (ch_.want_headset.load(std::memory_order_relaxed))
+      ch_.hand_to_headset.writing() = hand_, ch_.hand_to_headset.publish();
     snapshot_tick_ = s.device_tick, snapshot_step_ = int64_t(s.step);
     if (schedule_) note(tick, samples_ - samples_before);
   }

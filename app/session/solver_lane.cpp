@@ -323,6 +323,10 @@ void SolverLane::publish(int64_t tick) {
     ch_.patient_to_main.writing().snapshot = out.snapshot;
     ch_.patient_to_main.publish();
   }
+  if (ch_.want_headset.load(std::memory_order_relaxed)) {
+    ch_.patient_to_headset.writing().snapshot = out.snapshot;
+    ch_.patient_to_headset.publish();
+  }
   ch_.patient_to_device.publish();
   ch_.patient_to_render.publish();
 }

@@ -54,7 +54,7 @@ struct DeskState : HandChoice {
   int release_hook = 0;  // asked for in this frame: its number
   // Asked for in this frame:
   bool tool_changed = false, undo = false, redo = false, next = false, next_clean = false, picture = false,
-       home = false;
+       home = false, headset = false;
 };
 
 /// A named place in the frame.

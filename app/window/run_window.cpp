@@ -36,8 +36,9 @@ class MouseWindow final : public SessionWindow {
       : mouse_(call.mouse),
         screen_(open_glfw_screen("Limberg: " + scene.name, 1280, 720)),
         router_(*screen_, feed_, call.mouse),
+        headset_(call.headset),
         frames_(*screen_, feed_, &gauges_,
-                {facts(scene, call), scene_camera(scene), call.picture_dir, plan(call), call.mode}) {
+                {facts(scene, call), scene_camera(scene), call.picture_dir, plan(call), call.mode, call.headset}) {
     show_words(*screen_, scene.head ? "Making the head ..." : "Making the patient ...");
     screen_->on_event = [this](const WindowEvent& e) { router_.take(e); };
   }
@@ -54,16 +55,29 @@ class MouseWindow final : public SessionWindow {
   LaneGauges& gauges() override { return gauges_; }
   void pump() override {
     screen_->pump();
+    if (headset_) hear_tablet();
     router_.pump(RealClock::monotonic_ns());
   }
   bool keep_recording() const override { return feed_.keep_recording.load(); }
 
  private:
+  // Who points at the tablet points at the window.
+  void hear_tablet() {
+    for (TabletEvent t; headset_->events.pop(t);) {
+      WindowEvent e;
+      e.kind = t.button ? WindowEvent::button : WindowEvent::pointer;
+      e.x = t.u * float(screen_->width), e.y = t.v * float(screen_->height);
+      e.code = 0, e.down = t.down;
+      router_.take(e);
+    }
+  }
+
   bool mouse_;
   LaneGauges gauges_;
   HandFeed feed_;
   std::unique_ptr<DesktopScreen> screen_;
   InputRouter router_;
+  std::shared_ptr<HeadsetShared> headset_;
   WindowFrames frames_;
 };
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "app/assembly/lesson.h"
+#include "app/headset/shared.h"
 #include "app/scene/scene.h"
 #include "app/session/session.h"
 #include "app/teaching/coach.h"
@@ -21,8 +22,9 @@ struct WindowCall {
   std::vector<Command> script;   // what the lesson shows; may be empty
   std::optional<Lesson> lesson;  // its words, its plan, its tolerances
   LessonMode mode = LessonMode::guided;
-  std::string word;   // said first; may be empty
-  bool mouse = true;  // the mouse uses tools (else it only chooses and looks)
+  std::string word;                        // said first; may be empty
+  bool mouse = true;                       // the mouse uses tools (else it only chooses and looks)
+  std::shared_ptr<HeadsetShared> headset;  // its tablet is the window; null: there is none
 };
 
 /// The window, its picture sink and its device. Belongs to the main thread, outlives the session.

@@ -137,6 +137,7 @@ struct WindowFrames::Impl {
   PaceWatch pace;
   double samples_per_s = 0, pictures_per_s = 0;
   int pictures = 0;
+  std::chrono::steady_clock::time_point on_tablet;  // the last frame on a headset's tablet
 
   Impl(HandFeed& f, const LaneGauges* g, WindowSettings s)
       : feed(f), gauges(g), set(std::move(s)), desk(set.facts), camera(set.camera) {
@@ -256,6 +257,13 @@ struct WindowFrames::Impl {
       control(c);
       d.release_hook = 0;
     }
+    if (set.headset) {
+      if (d.headset) set.headset->wanted = !set.headset->wanted;
+      if (d.headset && set.headset->wanted) desk.say("the headset is looked for");
+      for (std::string line; set.headset->shown_words.take(line);) desk.say(line);
+    } else if (d.headset) {
+      desk.say("no headset's runtime is installed here; expected OpenXR's (docs/devices.md)");
+    }
     if (coach) teach();
     if (d.home) camera = set.camera;
     if (!d.ruler) ruler.clear();
@@ -264,7 +272,7 @@ struct WindowFrames::Impl {
     if (const auto c = d.head.laid_upon()) give(*c);
     for (const Command& c : d.head.asked()) give(c);
     d.head.ask = DeskHead::Ask::nothing;
-    d.tool_changed = d.undo = d.redo = d.next = d.next_clean = d.home = d.head.tie = false;
+    d.headset = d.tool_changed = d.undo = d.redo = d.next = d.next_clean = d.home = d.head.tie = false;
   }
 
   /// What was asked of the coach, and the stages that were reached.
@@ -594,6 +602,15 @@ struct WindowFrames::Impl {
     return !same;
   }
 
+  /// The whole frame, some times a second while somebody wears the headset.
+  void show_on_tablet() {
+    constexpr std::chrono::milliseconds kEvery{150};
+    const auto now = std::chrono::steady_clock::now();
+    if (!set.headset->worn || now - on_tablet < kEvery) return;
+    on_tablet = now;
+    set.headset->tablet.show(std::make_shared<const Image>(renderer->read()));
+  }
+
   void frame(const Snapshot& s, const ToolState& tool, Screen& screen) {
     const int width = screen.width, height = screen.height;
     ImGui::SetCurrentContext(panels);
@@ -626,6 +643,7 @@ struct WindowFrames::Impl {
     renderer->compose(width, height);
     ui->paint(*ImGui::GetDrawData(), width, height);
     renderer->present(width, height);
+    if (set.headset) show_on_tablet();
     tell(view, width, height);
     if (changed && desk.state.quality == 0)
       ladder.frame(1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
@@ -680,6 +698,7 @@ const Coach* WindowFrames::coach() const { return impl_->coach ? &*impl_->coach 
 bool WindowFrames::wants_frame() {
   Impl& i = *impl_;
   for (WindowEvent e; screen_.events.pop(e);) i.waiting.push_back(e), i.unseen = 2;
+  if (i.set.headset && i.set.headset->shown_words.waiting()) i.unseen = 2;
   if (i.unseen > 0) return true;
   if (++i.quiet >= kStillCalls && !i.at_leisure && i.desk.state.quality == 0) return i.at_leisure = true;
   return ++i.since_frame >= kRefreshFrames;

@@ -12,6 +12,7 @@
 #include <optional>
 #include <string>
 
+#include "app/headset/shared.h"
 #include "app/session/picture_sink.h"
 #include "app/window/desk.h"
 #include "app/window/hand_feed.h"
@@ -26,6 +27,7 @@ struct WindowSettings {
   std::string picture_dir = ".";  // where pictures asked for are put: limberg-1.png, never replacing a file
   std::optional<LessonPlan> lesson = {};
   LessonMode mode = LessonMode::guided;
+  std::shared_ptr<HeadsetShared> headset = nullptr;  // its tablet shows the window's frames; null: there is none
 };
 
 class WindowFrames final : public PictureSink {

@@ -4,6 +4,7 @@
 //
 //   limberg-bullet.so   bones that a hand holds (Bullet)     limberg-glfw.so   a window (GLFW, X11)
 //   limberg-lcm.so      LCM's own library (GLib)           limberg-gdcm.so   compressed DICOM slices (GDCM)
+//   limberg-openxr.so   a headset (OpenXR's loader)
 //
 // A part is an implementation of a class of virtual functions, made by one function with C linkage. It includes the
 // program's headers and links none of its libraries.

@@ -118,6 +118,40 @@ TEST(FrontEnd, TwoSourcesAndASecondStylus) {
   EXPECT_EQ(events.count(ToolEvent::stroke_end), 6);
 }
 
+// A headset is put on and taken off again: its stylus is followed meanwhile, from its own first number.
+TEST(FrontEnd, WhoseStylusIsFollowedIsSaid) {
+  std::vector<Sample> all;
+  const auto put = [&](int32_t device, int64_t seq, int64_t ms, double x) {
+    StylusSample s;
+    s.device_id = device, s.seq = seq, s.t_ns = ms * 1'000'000, s.tip_mm = {x, 0, 40};
+    all.emplace_back(s);
+  };
+  const auto follow = [&](int64_t ms, int32_t device) {
+    ControlSample c;
+    c.kind = ControlSample::stylus, c.t_ns = ms * 1'000'000, c.value[0] = device, c.seq = ms;
+    all.emplace_back(c);
+  };
+  for (int64_t ms = 1; ms < 600; ms += 4) {
+    if (ms == 201) follow(ms - 1, 600);
+    if (ms == 401) follow(ms - 1, 0);
+    put(50, 1000 + ms, ms, -20);
+    put(600, ms, ms + 1, 20);
+  }
+  DeviceFrontEnd front{Calibration{}};
+  front.add(std::make_unique<LogSource>(all));
+  CountEvents events;
+  CountSamples samples;
+  ToolState state;
+  const Snapshot s = snapshot_of(flat_topology(10, 1));
+  for (int64_t tick = 0; tick < 600; ++tick) {
+    front.tick(tick, s, events, samples, state);
+    const double wanted = tick < 199 ? -20 : tick < 399 ? 20 : -20;
+    if (tick % 200 < 20 || tick % 200 > 190) continue;
+    EXPECT_NEAR(state.tip_mm[0], wanted, 1e-6) << tick;
+  }
+  EXPECT_EQ(samples.n, int(all.size()));
+}
+
 TEST(FrontEnd, SilenceIsToldToTheSolver) {
   const Snapshot s = snapshot_of(flat_topology(40, 1));
   std::vector<Sample> few;

@@ -1,10 +1,8 @@
-// The views of a headset: as those of a camera where they are the same; and what the loader of OpenXR finds.
+// The views of a headset: as those of a camera where they are the same.
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 
-#include "render/gl_context.h"
 #include "render/headset.h"
 
 namespace limberg {
@@ -33,27 +31,6 @@ TEST(Headset, WhatLiesOnTheEdgeOfAnAngleLiesOnTheEdgeOfThePicture) {
   EXPECT_NEAR(px(0, angles.up).y(), 0, 0.05);
   EXPECT_NEAR(px(0, angles.down).y(), 800, 0.05);
 }
-
-#ifdef LIMBERG_OPENXR_STUB
-TEST(Headset, TheLoaderFindsTheRuntimeOfTheTests) {
-  setenv("XR_RUNTIME_JSON", LIMBERG_OPENXR_STUB, 1);
-  const Headset h = find_headset();
-  EXPECT_EQ(h.runtime, "runtime of the tests");
-  EXPECT_EQ(h.system, "headset of the tests");
-  EXPECT_EQ(h.views, 2);
-  EXPECT_EQ(h.width, 1440);
-  EXPECT_EQ(h.height, 1600);
-}
-#else
-TEST(Headset, WithoutOpenXrItSaysSo) {
-  try {
-    find_headset();
-    FAIL() << "a headset where there can be none";
-  } catch (const RenderUnavailable& e) {
-    EXPECT_NE(std::string(e.what()).find("LIMBERG_OPENXR"), std::string::npos);
-  }
-}
-#endif
 
 }  // namespace test_headset
 }  // namespace limberg
