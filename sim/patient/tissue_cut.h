@@ -72,7 +72,7 @@ class TissueCut {
   static void make_room_to_take_back(Tissue& tissue, std::span<const CutStep> steps);
 
  private:
-  int32_t shaving() const;  // a component that is one; none: -1
+  int32_t shaving() const;                     // a component that is one; none: -1
   double held_share(int32_t component) const;  // of its surface
   Outcome follow();
   Outcome take(int32_t component, const char* attached);
