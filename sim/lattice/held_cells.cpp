@@ -77,9 +77,9 @@ class HeldFunctions {
   bool fits_ = true;
 };
 
-// In a rotation, p0 V |sum u B^T|^2 / 2 comes off u K u / 2 (fem_model.h). They cancel where K has the mean gradient that
-// B is; here B is only near to it, and with more V than this the cell at rest would lie on a saddle: 1 / (p0 m), m the
-// largest eigenvalue of B^T K^-1 B over the corners that move.
+// In a rotation, p0 V |sum u B^T|^2 / 2 comes off u K u / 2 (fem_model.h). They cancel where K has the mean gradient
+// that B is; here B is only near to it, and with more V than this the cell at rest would lie on a saddle: 1 / (p0 m),
+// m the largest eigenvalue of B^T K^-1 B over the corners that move.
 double most_volume_mm3(const Stencil& s, const Vec3& cell_mm, const HeldFunctions& functions) {
   const Gradients B = trilinear_gradients(s, s.sample, cell_mm);
   std::vector<int> free;

@@ -1,5 +1,5 @@
-// Cells that a held surface or a body's edge cuts askew: what must be true of each by itself, since what a cut leaves of
-// it may have no neighbour that holds it.
+// Cells that a held surface or a body's edge cuts askew: what must be true of each by itself, since what a cut leaves
+// of it may have no neighbour that holds it.
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -53,8 +53,8 @@ TEST(HeldCells, NoneIsUnstableAtRest) {
       }
 }
 
-// A plug that is cut out a little above the bone lies in cells that were held. Its copies are not, and no two of their corners
-// may move against each other for next to nothing: a hook sent such corners half a metre away.
+// A plug that is cut out a little above the bone lies in cells that were held. Its copies are not, and no two of their
+// corners may move against each other for next to nothing: a hook sent such corners half a metre away.
 TEST(HeldCells, WhatIsCutFreeIsStiffInAllItsCorners) {
   SheetLattice l(layered(sheet_mesh(over_bone(true)), kSkin_mm), 5, {0.5, 0.3, 0.3});
   const auto least = [&](bool of_free) {
