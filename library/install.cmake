@@ -38,7 +38,7 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/sim DESTINATION ${headers} COMPONENT dev
   PATTERN examples EXCLUDE PATTERN testing EXCLUDE PATTERN bullet EXCLUDE PATTERN gdcm EXCLUDE)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/calibration ${PROJECT_SOURCE_DIR}/devices DESTINATION ${headers} COMPONENT dev
   FILES_MATCHING PATTERN "*.h" PATTERN messages EXCLUDE PATTERN message_codec.h EXCLUDE
-  PATTERN heard_streams.h EXCLUDE PATTERN toml.h EXCLUDE)
+  PATTERN heard_streams.h EXCLUDE PATTERN lcm_force_port.h EXCLUDE PATTERN toml.h EXCLUDE)
 foreach(header scene/scene scene/scene_head scene/tissues assembly/bundle assembly/operation assembly/patient_of_scene assembly/world_patient head/build program/places
     program/shipped program/version session/lattice_shown session/patient session/story session/thread session/workers_pool)
   get_filename_component(folder ${header} DIRECTORY)
