@@ -1,6 +1,7 @@
 #include "sim/lattice/fem_assembly.h"
 
 #include <algorithm>
+#include <numeric>
 #include <span>
 
 #include "sim/base/number_set.h"
@@ -74,10 +75,11 @@ class Assembly {
     now.stencil = found, now.scale = scale(copy.fraction, now.level, found);
     model.cells.set(size_t(id), now);
   }
-  std::vector<uint8_t> what_hangs() const {
-    std::vector<uint8_t> out(t_.nodes.size(), 0);
-    for (const auto& h : t_.hanging) out[size_t(h.node)] = 1;
-    return out;
+  void hold_as_found(FemModel& model, std::span<const int32_t> ids) const {
+    if (!table_.any_held_corners()) return;
+    std::vector<uint8_t> hangs(t_.nodes.size(), 0);
+    for (const auto& h : t_.hanging) hangs[size_t(h.node)] = 1;
+    for (int32_t id : ids) hold_as_found(model, id, hangs);
   }
   /// What of the node at its corner a copy holds.
   Held holds(int32_t cell, uint8_t fixed_sides, int32_t node, size_t corner) const {
@@ -127,8 +129,9 @@ void Assembly::all(FemModel& model) const {
   }
   for (const auto& h : t_.hanging) fixed[size_t(h.node)] = false;  // its masters hold it
   model.fixed = fixed;
-  const std::vector<uint8_t> hangs = what_hangs();
-  for (size_t id = 0; id < t_.cells.size(); ++id) hold_as_found(model, int32_t(id), hangs);
+  std::vector<int32_t> every(t_.cells.size());
+  std::iota(every.begin(), every.end(), 0);
+  hold_as_found(model, every);
   model.mass_kg = mass;
 }
 
@@ -216,8 +219,7 @@ void Assembly::nodes_again(FemModel& model, std::span<const int32_t> nodes) cons
     model.mass_kg.set(size_t(nodes[i]), mass[i]);
     model.fixed.set(size_t(nodes[i]), fixed[i]);
   }
-  const std::vector<uint8_t> hangs = what_hangs();
-  for (int32_t id : copies.ascending()) hold_as_found(model, id, hangs);
+  hold_as_found(model, copies.ascending());
 }
 
 }  // namespace

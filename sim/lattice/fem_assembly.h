@@ -56,6 +56,7 @@ class StencilTable {
   /// The corners (bits) that a stencil takes as held: its functions vanish at the held surface, and those corners have
   /// next to no stiffness against each other (held_cells.h).
   uint8_t held_corners(int32_t stencil) const { return held_of_[size_t(stencil)]; }
+  bool any_held_corners() const { return !held_surface_.empty(); }
   /// As of_place(), of a copy of which these corners alone are held: a flap that a cut has raised from its bed.
   int32_t of_place(const CellPlace& place, uint8_t held) const;
 

@@ -130,10 +130,9 @@ int32_t TissueCut::shaving() const {
 
 DebrisResult TissueCut::sweep_shavings() {
   DebrisResult swept;
-  while (shaving() >= 0) {
-    if (!follow().done) break;
+  for (int32_t c = shaving(); c >= 0; c = shaving()) {
     const double before = removed_mm3();
-    if (!take(shaving(), "").done) break;
+    if (!follow().done || !take(c, "").done) break;
     ++swept.pieces, swept.volume_mm3 += removed_mm3() - before;
   }
   return swept;

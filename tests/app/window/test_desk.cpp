@@ -6,48 +6,22 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "app/window/input_router.h"
 #include "app/window/waiting.h"
-#include "app/window/window_frames.h"
-#include "render/gl_context.h"
 #include "sim/commands/actions.h"
+#include "tests/app/window/drawn_window.h"
 #include "tests/render/sample_snapshot.h"
 
 namespace limberg {
 namespace test_desk {
 
-class MemoryScreen final : public Screen {
- public:
-  std::unique_ptr<GlContext> context() override { return make_osmesa_context({.threads = 0}); }
-};
-
-struct Window {
-  MemoryScreen screen;
-  HandFeed feed;
-  InputRouter router{screen, feed};
+struct Window : testing::DrawnWindow {
   LaneGauges gauges;
-  Snapshot s = testing::sample_snapshot();
-  std::unique_ptr<WindowFrames> frames;
 
-  Window() {
+  Window() : DrawnWindow(testing::sample_snapshot()) {
     WindowSettings set;
     set.facts = {"rhomboid", "mouse", "", "Close the defect.", false, true, 9};
     set.camera.eye_mm = {5, -90, 130};
-    frames = std::make_unique<WindowFrames>(screen, feed, &gauges, set);
-    frames->prepare(*s.topology);
-    settle();
-  }
-  void settle() {
-    for (int i = 0; i < 4; ++i) router.pump(0), frames->wants_frame(), frames->frame(s, ToolState{});
-    router.pump(0);
-  }
-  void key(int32_t code, uint32_t mods = 0) {
-    WindowEvent e;
-    e.kind = WindowEvent::key, e.code = code, e.down = 1, e.mods = mods;
-    router.take(e);
-    e.down = 0;
-    router.take(e);
-    settle();
+    open(set, &gauges);
   }
   void move(float x, float y) {
     WindowEvent e;
@@ -330,7 +304,7 @@ TEST_F(DeskTest, TheLatticeIsDrawnWithItsCopies) {
 }
 
 TEST_F(DeskTest, ASilentOrUncalibratedDeviceIsSaid) {
-  MemoryScreen screen;
+  testing::MemoryScreen screen;
   HandFeed feed;
   LaneGauges gauges;
   const Snapshot s = testing::sample_snapshot();
@@ -365,7 +339,7 @@ TEST_F(DeskTest, ASilentOrUncalibratedDeviceIsSaid) {
 }
 
 TEST_F(DeskTest, AFirstWordIsSeenUntilSomethingIsDone) {
-  MemoryScreen screen;
+  testing::MemoryScreen screen;
   HandFeed feed;
   LaneGauges gauges;
   const Snapshot s = testing::sample_snapshot();
@@ -444,7 +418,7 @@ std::array<int, 4> written(const Image& a) {
 }
 
 TEST_F(DeskTest, UntilThereIsAPatientTheWindowSaysWhatIsMade) {
-  MemoryScreen screen;
+  testing::MemoryScreen screen;
   for (const auto& [width, height] : {std::pair{1280, 720}, {640, 480}, {3840, 2160}}) {
     screen.width = width, screen.height = height;
     const Image head = show_words(screen, "Making the head ..."), nothing = show_words(screen, "");

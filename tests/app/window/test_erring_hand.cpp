@@ -11,16 +11,11 @@
 #include "app/session/lockstep.h"
 #include "app/window/window_frames.h"
 #include "devices/emulator.h"
-#include "render/gl_context.h"
 #include "sim/commands/script.h"
+#include "tests/app/window/drawn_window.h"
 
 namespace limberg {
 namespace test_erring_hand {
-
-class MemoryScreen final : public Screen {
- public:
-  std::unique_ptr<GlContext> context() override { return make_osmesa_context({.threads = 0}); }
-};
 
 /// One thing that the hand does: an act of a script, a press with a tool where there is nothing, or a rest.
 struct Press {
@@ -105,7 +100,7 @@ class ErringHand final : public Source {
 /// Looks at the window twice a second; at every word, if pictures are wanted, at three sizes.
 class Watched final : public PictureSink {
  public:
-  Watched(MemoryScreen& screen, WindowFrames& window, std::string pictures)
+  Watched(testing::MemoryScreen& screen, WindowFrames& window, std::string pictures)
       : screen_(screen), window_(window), pictures_(std::move(pictures)) {}
   void prepare(const SurfaceTopology& first) override { window_.prepare(first); }
   void notice(const Notice& n) override { window_.notice(n); }
@@ -137,7 +132,7 @@ class Watched final : public PictureSink {
   }
 
  private:
-  MemoryScreen& screen_;
+  testing::MemoryScreen& screen_;
   WindowFrames& window_;
   std::string pictures_, stroke_;
   int calls_ = 0, shots_ = 0, strokes_ = 0;
@@ -188,7 +183,7 @@ TEST(ErringHand, IsToldAtEachErrorWhatIsOffAndWhatToDo) {
                           press(Tool::suture, {-22, 2, 0}, {-9, 9, 25}),    // let go in the air
                           rest(1)};
 
-  MemoryScreen screen;
+  testing::MemoryScreen screen;
   HandFeed feed;
   WindowSettings set;
   set.facts.scene = scene.name, set.facts.device = "stylus", set.facts.own_device = set.facts.calibrated = true,

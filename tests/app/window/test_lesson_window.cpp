@@ -11,49 +11,23 @@
 #include "app/pictures/pictures.h"
 #include "app/program/places.h"
 #include "app/session/workers_pool.h"
-#include "app/window/input_router.h"
-#include "app/window/window_frames.h"
-#include "render/gl_context.h"
 #include "sim/commands/script.h"
 #include "sim/patient/world.h"
+#include "tests/app/window/drawn_window.h"
 
 namespace limberg {
 namespace test_lesson_window {
 
-class MemoryScreen final : public Screen {
- public:
-  std::unique_ptr<GlContext> context() override { return make_osmesa_context({.threads = 0}); }
-};
-
-struct Window {
-  MemoryScreen screen;
-  HandFeed feed;
-  InputRouter router{screen, feed};
-  Snapshot s;
-  std::unique_ptr<WindowFrames> frames;
+struct Window : testing::DrawnWindow {
   double t_s = 0;
 
   Window(const Scene& scene, const LessonPlan& plan, Snapshot patient, LessonMode mode = LessonMode::guided)
-      : s(std::move(patient)) {
+      : DrawnWindow(std::move(patient)) {
     WindowSettings set;
     set.facts.scene = scene.name, set.facts.device = "mouse", set.facts.goal = plan.goal;
     set.facts.head = scene.head.has_value(), set.facts.skin = scene.flesh;
     set.camera = scene_camera(scene), set.lesson = plan, set.mode = mode;
-    frames = std::make_unique<WindowFrames>(screen, feed, nullptr, set);
-    frames->prepare(*s.topology);
-    settle();
-  }
-  void settle() {
-    for (int i = 0; i < 4; ++i) router.pump(0), frames->wants_frame(), frames->frame(s, ToolState{});
-    router.pump(0);
-  }
-  void key(int32_t code, uint32_t mods = 0) {
-    WindowEvent e;
-    e.kind = WindowEvent::key, e.code = code, e.down = 1, e.mods = mods;
-    router.take(e);
-    e.down = 0;
-    router.take(e);
-    settle();
+    open(set, nullptr);
   }
   void click(float x, float y) {
     WindowEvent e;

@@ -1,0 +1,43 @@
+#pragma once
+// A window that is drawn into memory, between a snapshot and whoever presses keys.
+#include <memory>
+
+#include "app/window/input_router.h"
+#include "app/window/window_frames.h"
+#include "render/gl_context.h"
+
+namespace limberg::testing {
+
+class MemoryScreen final : public Screen {
+ public:
+  std::unique_ptr<GlContext> context() override { return make_osmesa_context({.threads = 0}); }
+};
+
+struct DrawnWindow {
+  MemoryScreen screen;
+  HandFeed feed;
+  InputRouter router{screen, feed};
+  Snapshot s;
+  std::unique_ptr<WindowFrames> frames;
+
+  explicit DrawnWindow(Snapshot patient) : s(std::move(patient)) {}
+  void open(const WindowSettings& set, const LaneGauges* gauges) {
+    frames = std::make_unique<WindowFrames>(screen, feed, gauges, set);
+    frames->prepare(*s.topology);
+    settle();
+  }
+  void settle() {
+    for (int i = 0; i < 4; ++i) router.pump(0), frames->wants_frame(), frames->frame(s, ToolState{});
+    router.pump(0);
+  }
+  void key(int32_t code, uint32_t mods = 0) {
+    WindowEvent e;
+    e.kind = WindowEvent::key, e.code = code, e.down = 1, e.mods = mods;
+    router.take(e);
+    e.down = 0;
+    router.take(e);
+    settle();
+  }
+};
+
+}  // namespace limberg::testing
