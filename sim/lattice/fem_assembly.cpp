@@ -58,7 +58,7 @@ class Assembly {
     return cell.stencil == mixture ? mass : mass * density(cell.stencil) / density(mixture);
   }
   /// A stencil for held corners takes for granted that they are: where a copy's are not, it takes another.
-  void hold_as_found(FemModel& model, int32_t id, const std::vector<uint8_t>& hangs) const {
+  void hold_as_found(FemModel& model, int32_t id, const std::vector<uint8_t>& carried) const {
     const CellCopy& copy = t_.cells[size_t(id)];
     const CellPlace place = t_.tree.place(t_.grid, copy.cell);
     const int32_t usual = table_.of_place(place);
@@ -67,7 +67,7 @@ class Assembly {
     uint8_t held = taken;
     for (size_t k = 0; k < 8; ++k) {
       const size_t n = size_t(copy.node[k]);
-      if (!model.fixed[n].any() && !hangs[n]) held &= uint8_t(~(1u << k));  // what hangs is held by its masters
+      if (!model.fixed[n].any() && !carried[n]) held &= uint8_t(~(1u << k));
     }
     HexCell now = model.cells[size_t(id)];
     const int32_t found = stencil(id, held == taken ? usual : table_.of_place(place, held));
@@ -77,9 +77,14 @@ class Assembly {
   }
   void hold_as_found(FemModel& model, std::span<const int32_t> ids) const {
     if (!table_.any_held_corners()) return;
-    std::vector<uint8_t> hangs(t_.nodes.size(), 0);
-    for (const auto& h : t_.hanging) hangs[size_t(h.node)] = 1;
-    for (int32_t id : ids) hold_as_found(model, id, hangs);
+    // A node that hangs is held where all of its masters are: half held it goes half their way.
+    std::vector<uint8_t> carried(t_.nodes.size(), 0);
+    for (const auto& h : t_.hanging) {
+      bool all = true;
+      for (size_t k = 0; k < size_t(h.count); ++k) all = all && model.fixed[size_t(h.master[k])].any();
+      carried[size_t(h.node)] = all;
+    }
+    for (int32_t id : ids) hold_as_found(model, id, carried);
   }
   /// What of the node at its corner a copy holds.
   Held holds(int32_t cell, uint8_t fixed_sides, int32_t node, size_t corner) const {
@@ -144,6 +149,7 @@ void Assembly::changed(FemModel& model, const EarlierModel& before) const {
   model.fixed.resize(t_.nodes.size());
   model.mass_kg.resize(t_.nodes.size(), 0);
   NumberSet nodes(t_.nodes.size());  // whose cells have changed
+  std::vector<int32_t> carried;
   for_each_change(before.topology.nodes, t_.nodes, [&](size_t n) {
     model.X_mm[n] = t_.grid.eighth_mm(t_.nodes[n].at);
     nodes.add(int32_t(n));
@@ -177,8 +183,12 @@ void Assembly::changed(FemModel& model, const EarlierModel& before) const {
     for (int k = 0; k < t_.copies_of(int32_t(cell)); ++k)
       nodes.add_all(t_.cells[size_t(t_.copy(int32_t(cell), k))].node);
   });
+  // Whether a node that hangs is held is said by its masters.
+  for (const auto& h : t_.hanging)
+    for (size_t k = 0; k < size_t(h.count); ++k)
+      if (nodes.has(h.master[k])) carried.push_back(h.node);
+  nodes.add_all(carried);
   nodes_again(model, nodes.ascending());
-  for (const auto& h : t_.hanging) model.fixed.set(size_t(h.node), false);
 }
 
 // From the copies around them, in their order: each copy is looked at once, for all of its corners.
@@ -219,6 +229,7 @@ void Assembly::nodes_again(FemModel& model, std::span<const int32_t> nodes) cons
     model.mass_kg.set(size_t(nodes[i]), mass[i]);
     model.fixed.set(size_t(nodes[i]), fixed[i]);
   }
+  for (const auto& h : t_.hanging) model.fixed.set(size_t(h.node), false);
   hold_as_found(model, copies.ascending());
 }
 
