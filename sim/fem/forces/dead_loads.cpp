@@ -2,41 +2,13 @@
 
 #include <cmath>
 
-#include "sim/base/union_find.h"
 #include "sim/fem/forces/spring_end.h"
+#include "sim/fem/model/held_pieces.h"
 
 namespace limberg::fem {
 namespace {
 
 constexpr double mm_per_m = 1000;
-
-/// Per node: along which axes its piece is held.
-std::vector<Held> held_pieces(const FemModel& m, std::span<const Spring> springs) {
-  UnionFind piece(m.X_mm.size());
-  for (const HexCell& c : m.cells)
-    for (int32_t v : c.node) piece.unite(v, c.node[0]);
-  for (const HangingNode& h : m.hanging)
-    for (size_t k = 0; k < size_t(h.count); ++k) piece.unite(h.node, h.master[k]);
-  std::vector<int32_t> hooked;
-  for (const Spring& s : springs) {
-    int32_t first = -1;
-    const auto tie = [&](int32_t v, double) {
-      if (first < 0) first = v;
-      piece.unite(v, first);
-    };
-    for_each_weight(s.held_a(), tie);
-    if (s.to_world)
-      hooked.push_back(first);
-    else
-      for_each_weight(s.held_b(), tie);
-  }
-  std::vector<Held> held(m.X_mm.size());
-  for (size_t v = 0; v < held.size(); ++v) held[size_t(piece.find(int32_t(v)))] |= m.fixed[v];
-  for (int32_t v : hooked)
-    if (v >= 0) held[size_t(piece.find(v))] = true;
-  for (size_t v = 0; v < held.size(); ++v) held[v] = held[size_t(piece.find(int32_t(v)))];
-  return held;
-}
 
 }  // namespace
 
@@ -46,7 +18,7 @@ DeadLoads::DeadLoads(const FemModel& m, const Vec3& gravity_m_s2, std::span<cons
   std::vector<Vec3> f(m.X_mm.size());
   for (size_t v = 0; v < f.size(); ++v) f[v] = mm_per_m * m.mass_kg[v] * gravity_m_s2;
   for (const DeadLoad& l : loads) for_each_weight(l.at, [&](int32_t v, double w) { f[size_t(v)] += w * l.force_mN; });
-  const std::vector<Held> held = held_pieces(m, springs);
+  const std::vector<Held> held = held_pieces(m, springs).held;
   all_.resize(f.size());
   bool loose = false;
   for (size_t v = 0; v < f.size(); ++v) {

@@ -229,6 +229,7 @@ bool LbfgsSolver::at_floor() {
 
 double LbfgsSolver::direction(const NodeArray& g, const std::function<void(const NodeArray&, NodeArray&)>& metric) {
   gamma_ = history_.direction(g, d_, metric, engine_, scale_.on());
+  if (inertia_.empty() && !contacts_.empty()) loose_.shorten(d_);
   return engine_.dot(g, d_);
 }
 
@@ -247,7 +248,7 @@ double LbfgsSolver::next_move_mm(const std::function<void(const NodeArray&, Node
 StepReport LbfgsSolver::step(const StepSettings& s) {
   if (!model_) throw InputError("", 0, "a step was asked for before a model was given");
   if (s.afresh) forget();
-  prepare_dynamics(s);
+  prepare_dynamics(s), find_loose_pieces();
   // BDF2's first step has the metric of its others.
   const double h = s.integrator == Integrator::bdf2 ? 2 * s.dt_s / 3 : s.dt_s;
   const double mass_per_s2 = s.dt_s > 0 ? 1 / (h * h) + s.damping_per_s / h : 0;

@@ -50,6 +50,7 @@
 #include "sim/fem/solver/distance_estimate.h"
 #include "sim/fem/solver/elastic_solver.h"
 #include "sim/fem/solver/lbfgs.h"
+#include "sim/fem/solver/loose_pieces.h"
 #include "sim/fem/solver/metric_scale.h"
 
 namespace limberg::fem {
@@ -121,6 +122,7 @@ class LbfgsSolver final : public ElasticSolver {
   bool every_piece_is_held() const;
   void give_metric_springs();
   void make_loads();
+  void find_loose_pieces();  // where contacts could push them
   void drop_held(NodeArray& a) const { put_held(a, {}); }
   void put_held(NodeArray& a, const NodeArray& from) const;  // held components, zero from an empty array
   void publish();
@@ -145,6 +147,8 @@ class LbfgsSolver final : public ElasticSolver {
   Vec3 gravity_m_s2_ = Vec3::Zero();
   std::vector<DeadLoad> load_list_;
   DeadLoads loads_;  // of both
+  LoosePieces loose_;  // looked for when something could push one
+  bool loose_known_ = false;
   MaterialPoints points_;
   ViscousPoints viscous_;
   LbfgsHistory history_;

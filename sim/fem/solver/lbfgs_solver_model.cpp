@@ -111,7 +111,7 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, const ParentL
   forces_ = SpringForces();
   contacts_ = ContactForces();
   load_list_.clear();
-  make_loads();
+  make_loads(), loose_known_ = false;
   metric_.set_model(model_, cell_parent);
   force_scale_ = 0, since_update_ = 0;
   tangled_iterations_ = 0, untangling_ = false;
@@ -158,7 +158,7 @@ void LbfgsSolver::set_springs(std::span<const Spring> springs) {
   forces_ = SpringForces(*model_, springs_);
   if (same) return;
   history_.clear();
-  make_loads();  // a piece may be held that was loose, or the other way round
+  make_loads(), loose_known_ = false;  // a piece may be held that was loose, or the other way round
   spring_rows_.clear();
   for (const Spring& s : springs_) spring_rows_.push_back({spring_row(*model_, s), !s.to_world});
   give_metric_springs();
@@ -198,6 +198,11 @@ void LbfgsSolver::set_loads(std::span<const DeadLoad> loads) {
 void LbfgsSolver::make_loads() {
   loads_ = model_ ? DeadLoads(*model_, gravity_m_s2_, load_list_, springs_) : DeadLoads();
   loads_.dynamic(!inertia_.empty());
+}
+
+void LbfgsSolver::find_loose_pieces() {
+  if (loose_known_ || contacts_.empty()) return;
+  loose_ = LoosePieces(*model_, springs_), loose_known_ = true;
 }
 
 void LbfgsSolver::put_held(NodeArray& a, const NodeArray& from) const {
