@@ -121,6 +121,10 @@ void look_at_wound(Lines& lines, const VerdictOf& of) {
   lines.limited("edge of the wound that is open", g.open_mm, "mm",
                 {0, 0, "closed is a wound whose edges are all within 2 mm of each other (Hollander et al. 1995)"},
                 g.open_mm > 0 ? widest : "");
+  lines.limited(
+      "edge of the wound that lies over or under skin", g.over_mm, "mm",
+      {0, kOpen_mm, "an inverted edge is a fault (Hollander et al. 1995); more of it than edges may be apart is bad"},
+      g.over_mm > 0 ? on_chart(*of.body, g.over_at_mm) : "");
   const bool closed = std::all_of(lines.all.begin() + std::ptrdiff_t(before), lines.all.end(),
                                   [](const ResultVerdict& l) { return l.light != light_names::bad; });
   if (closed && !m.sutures.empty())

@@ -113,6 +113,7 @@ DogEar dog_ear(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin&
 WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
   constexpr double kOwn_mm = 3, kTouch_mm = 2, kCos = 0.5, kFar_mm = 100;
   constexpr double kBehind_mm = 3, kBehindCos = 0.05, kSame_mm = 0.1;  // at rest
+  constexpr double kBefore_mm = 0.2;
   struct Rim {
     int32_t a, b;
     Vec3 p, q, out;  // now
@@ -193,6 +194,30 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
     }
     return std::pair(best, step);
   };
+  // Over or under skin: some lies before the edge, above or below it, and the edge of that is near, on whatever side.
+  const auto lies_over = [&](const Rim& r) {
+    const Vec3 m = 0.5 * (r.p + r.q), before = m + kBefore_mm * r.out;
+    const bool near = std::any_of(rim.begin(), rim.end(), [&](const Rim& o) {
+      const Vec3 D = o.rest_middle - r.rest_middle;  // the other side of a tip is no other edge
+      return o.out.dot(r.out) < 0 && (D.norm() > kOver_mm || D.dot(r.rest_out) > -kSame_mm) &&
+             (0.5 * (o.p + o.q) - m).norm() - 0.5 * (o.q - o.p).norm() < kOver_mm;
+    });
+    if (!near) return false;
+    for (size_t t = 0; t < view.tri.size(); ++t) {
+      if (view.kind[t] != FaceKind::skin) continue;
+      const auto x = now(view, x_mm, t);
+      const Vec3 n = area_vector2(x[0], x[1], x[2]);
+      const double rise = n.dot(r.up);
+      if (!(rise > 0.5 * n.norm())) continue;  // looks another way
+      const double way = n.dot(x[0] - before) / rise;
+      if (std::abs(way) > kTouch_mm) continue;
+      const Vec3 foot = before + way * r.up;
+      bool inside = true;
+      for (size_t k = 0; k < 3; ++k) inside = inside && n.dot((x[(k + 1) % 3] - x[k]).cross(foot - x[k])) >= 0;
+      if (inside) return true;
+    }
+    return false;
+  };
   std::vector<std::pair<double, double>> looks;
   for (const Rim& r : rim) looks.push_back(look(r));
   // A piece that nothing holds, and that lies at no other, was taken out: it may lie anywhere.
@@ -203,9 +228,10 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
   }
   for (size_t i = 0; i < rim.size(); ++i) {
     const Rim& r = rim[i];
-    const auto [best, step] = looks[i];
+    auto [best, step] = looks[i];
     if (r.piece >= 0 && nearest[r.piece] > kOpen_mm) continue;
     const Vec3 middle = 0.5 * (view.X_mm[size_t(r.a)] + view.X_mm[size_t(r.b)]);
+    if (best > kOpen_mm && lies_over(r)) best = 0, g.over_mm += r.length, g.over_at_mm = middle;
     if (best >= kFar_mm) g.lost_mm += r.length, lost_at = middle;
     if (best > kOpen_mm) g.open_mm += r.length;
     if (best < kFar_mm && best > g.widest_mm) g.widest_mm = best, g.widest_at_mm = middle;

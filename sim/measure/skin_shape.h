@@ -51,10 +51,15 @@ struct WoundGape {
   double widest_mm = 0, open_mm = 0;
   Vec3 widest_at_mm = Vec3::Zero();
   double lost_mm = 0;  // of open_mm, what looks at no other edge
+  // Edge at rest that lies over or under other skin by more than kOpen_mm (less is apposed). It gapes by nothing.
+  double over_mm = 0;
+  Vec3 over_at_mm = Vec3::Zero();
 };
 /// Edges nearer than this are apposed: "wound margin separation > 2 mm" is a fault of the Hollander wound evaluation
 /// scale (Hollander, Singer, Valentine, Henry 1995, Ann. Emerg. Med. 25:675).
 inline constexpr double kOpen_mm = 2;
+/// An edge that goes farther over other skin lies elsewhere: what it left is open.
+inline constexpr double kOver_mm = 5;
 WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm);
 
 /// Skin that lies on its face or is turned inside out: skin whose outward normal now is more than 120 degrees from that

@@ -93,6 +93,9 @@ const Measure kTable[] = {
      "edge at rest, of both banks, that gapes by more than 2 mm or looks at "
      "no other edge",
      "length of the rim's edges", LIMBERG_OF(m.gape.open_mm)},
+    {"wound_over_mm", "mm", "edge over other skin",
+     "edge at rest that lies over or under other skin by 2 to 5 mm: closed, and inverted", "length of the rim's edges",
+     LIMBERG_OF(m.gape.over_mm)},
     {"wound_gape_mean_mm", "mm", "wound gape, mean", "mean distance across the wound from its rim", "as wound_gape_mm",
      LIMBERG_OF(m.wound_gape_mean_mm), kLength},
     {"step_off_mm", "mm", "step-off",

@@ -176,6 +176,23 @@ TEST(WoundGape, AnEdgeThatLooksAtNoOtherIsOpen) {
   EXPECT_NEAR(g.open_mm, 40, 1e-6);
 }
 
+// A bank that was drawn 3 mm over the other, a tenth of a millimetre above it: it does not gape, and it is no good edge.
+TEST(WoundGape, AnEdgeOverOtherSkinOverlaps) {
+  const SurfaceView v = two_banks(20);
+  const auto drawn = [&](float over, float up) {
+    auto x = deformed(v, [](const Vec3& X) { return X; });
+    for (size_t i = x.size() / 2; i < x.size(); ++i) x[i].x() -= over, x[i].z() += up;
+    return wound_gape(v, x);
+  };
+  EXPECT_EQ(drawn(1, 0.1f).over_mm, 0);  // apposed, as ever
+  const WoundGape g = drawn(3, 0.1f), high = drawn(3, 4), far = drawn(8, 0.1f);
+  EXPECT_EQ(high.over_mm, 0);  // stands off
+  EXPECT_EQ(far.over_mm, 0);   // lies elsewhere
+  EXPECT_GT(far.open_mm, 30);
+  EXPECT_NEAR(g.over_mm, 40, 1e-9);
+  EXPECT_EQ(g.open_mm, 0);
+}
+
 TEST(TurnedSkin, AFlapOnItsFaceIsSeen) {
   const auto body = measured_block({60, 60, 10}, 1);
   const Skin skin(body);

@@ -70,6 +70,7 @@ TEST(MeasureTable, EachEntryReadsItsOwnField) {
                     &m.wound_gape_mean_mm,
                     &m.gape.widest_mm,
                     &m.gape.open_mm,
+                    &m.gape.over_mm,
                     &m.turned.area_mm2,
                     &m.contact_force_N,
                     &m.min_J,
