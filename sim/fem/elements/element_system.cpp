@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstring>
 #include <numeric>
 
 namespace limberg::fem {
@@ -61,14 +62,16 @@ ElementSystem::ElementSystem(std::shared_ptr<const FemModel> model, bool augment
   const FemModel& m = *model;
   const size_t n = m.X_mm.size(), nc = m.cells.size();
   const bool carry = before && system_before && before->cell_mm == m.cell_mm;
+  int32_t same_up_to = 0;  // stencils that are those of before
   if (carry && same_stencils(m, *before)) {
     data_.stencils = system_before->data_.stencils;
+    same_up_to = int32_t(m.stencils.size());
     has_multipliers_ = system_before->has_multipliers_;
   } else {
     const auto made = std::make_shared<AlignedArray<KernelStencil>>(m.stencils.size());
     for (size_t i = 0; i < m.stencils.size(); ++i) {
       if (carry && m.stencils.shares(before->stencils, i / SharedArray<Stencil>::kChunk))
-        (*made)[i] = (*system_before->data_.stencils)[i];
+        (*made)[i] = (*system_before->data_.stencils)[i], same_up_to += same_up_to == int32_t(i);
       else
         (*made)[i] = kernel_stencil(m.stencils[i], m.cell_mm, augmented);
       has_multipliers_ = has_multipliers_ || (*made)[i].r > 0;
@@ -80,7 +83,7 @@ ElementSystem::ElementSystem(std::shared_ptr<const FemModel> model, bool augment
   std::optional<TileOrder> followed;
   if (carry) followed = order_cells(m, *before, system_before->order_, changed);
   order_ = followed ? std::move(*followed) : order_cells(m);
-  lay_tiles(m, followed ? system_before : nullptr, changed);
+  lay_lanes(followed ? system_before : nullptr, lay_tiles(m, followed ? system_before : nullptr, changed), same_up_to);
 
   data_.node_slots_begin.assign(n + 1, 0);
   for (int32_t node : data_.slot_node) ++data_.node_slots_begin[size_t(node) + 1];
@@ -95,7 +98,8 @@ ElementSystem::ElementSystem(std::shared_ptr<const FemModel> model, bool augment
   tile_sums_.resize(data_.tiles.size());
 }
 
-void ElementSystem::lay_tiles(const FemModel& m, const ElementSystem* earlier, std::span<const uint8_t> changed) {
+std::vector<int32_t> ElementSystem::lay_tiles(const FemModel& m, const ElementSystem* earlier,
+                                              std::span<const uint8_t> changed) {
   const size_t n = m.X_mm.size(), nc = m.cells.size(), present = order_.present;
   const std::vector<TileKey>& order = order_.key;
   data_.cells.resize(nc);
@@ -117,6 +121,7 @@ void ElementSystem::lay_tiles(const FemModel& m, const ElementSystem* earlier, s
   Tile tile;
   bool numbered = true;  // `local` knows the nodes of the open tile
   size_t next_before = 0;
+  std::vector<int32_t> begins;  // per tile
   for (size_t k = 0; k < present;) {
     const int32_t c = order[k].index;
     if (tile_ends(int(k) - tile.first_cell, k > 0 && order[k].tile() != order[k - 1].tile())) {
@@ -138,6 +143,7 @@ void ElementSystem::lay_tiles(const FemModel& m, const ElementSystem* earlier, s
           const auto slots = earlier->data_.slot_node.begin();
           data_.slot_node.insert(data_.slot_node.end(), slots + was.first_slot, slots + was.last_slot);
           numbered = false;
+          begins.resize(data_.tiles.size() + 1, -1), begins.back() = int32_t(next_before);
           k += size;
           continue;
         }
@@ -161,6 +167,30 @@ void ElementSystem::lay_tiles(const FemModel& m, const ElementSystem* earlier, s
   }
   tile.last_cell = int32_t(present), tile.last_slot = int32_t(data_.slot_node.size());
   if (present) data_.tiles.push_back(tile);
+  begins.resize(data_.tiles.size(), -1);
+  return begins;
+}
+
+void ElementSystem::lay_lanes(const ElementSystem* earlier, std::span<const int32_t> tile_before, int32_t same_up_to) {
+  const KernelStencil* stencils = data_.stencils->data();
+  data_.lanes.resize(data_.tiles.size());
+  for (size_t t = 0; t < data_.tiles.size(); ++t) {
+    Tile& tile = data_.tiles[t];
+    const std::span<const KernelCell> cells(data_.cells.data() + tile.first_cell,
+                                            size_t(tile.last_cell - tile.first_cell));
+    const auto as_before = [&] {
+      if (!earlier || tile_before[t] < 0) return false;
+      const Tile& was = earlier->data_.tiles[size_t(tile_before[t])];
+      if (was.last_cell - was.first_cell != int32_t(cells.size())) return false;
+      const KernelStencil* before = earlier->data_.stencils->data();
+      return std::all_of(cells.begin(), cells.end(), [&](const KernelCell& c) {
+        return c.stencil < same_up_to ||
+               std::memcmp(before + c.stencil, stencils + c.stencil, sizeof(KernelStencil)) == 0;
+      });
+    };
+    data_.lanes[t] = as_before() ? earlier->data_.lanes[size_t(tile_before[t])] : lane_blocks(stencils, cells);
+    if (data_.lanes[t]) tile.lanes = {data_.lanes[t]->block.data(), data_.lanes[t]->kind.data()};
+  }
 }
 
 CellSums ElementSystem::evaluate(const NodeArray& u, NodeArray& g, bool measure, const Engine& engine) {
@@ -169,8 +199,11 @@ CellSums ElementSystem::evaluate(const NodeArray& u, NodeArray& g, bool measure,
   if (shape_only_) view.stencils = shape_stencils_.data();
   if (plain_) view.stencils = plain_stencils_.data();
   engine.run(data_.tiles.size(), 1, [&](size_t begin, size_t end) {
-    for (size_t t = begin; t < end; ++t)
-      tile_sums_[t] = k.evaluate_tile(view, data_.tiles[t], u.data(), q_.data(), slots_.data(), theta_.data(), measure);
+    for (size_t t = begin; t < end; ++t) {
+      Tile tile = data_.tiles[t];
+      if (shape_only_ || plain_) tile.lanes = {};  // they hold the usual stencils
+      tile_sums_[t] = k.evaluate_tile(view, tile, u.data(), q_.data(), slots_.data(), theta_.data(), measure);
+    }
   });
   engine.run(g.size(), 2048, [&](size_t begin, size_t end) { k.sum_slots(view, slots_.data(), begin, end, g.data()); });
   CellSums total;

@@ -27,6 +27,7 @@
 #include <vector>
 
 #include "sim/fem/elements/effective_bulk.h"
+#include "sim/fem/elements/lane_blocks.h"
 #include "sim/fem/model/fem_model.h"
 #include "sim/fem/model/tiles.h"
 #include "sim/fem/solver/engine.h"
@@ -51,6 +52,7 @@ struct KernelData {
   std::shared_ptr<const AlignedArray<KernelStencil>> stencils;
   AlignedArray<KernelCell> cells;  // in tile order
   std::vector<Tile> tiles;
+  std::vector<std::shared_ptr<const LaneBlocks>> lanes;  // of the tiles; null: every cell shares its stencil
   std::vector<int32_t> slot_node;
   std::vector<int32_t> node_slots_begin, node_slots;  // per node: its slots in ascending order
   CellView view() const {
@@ -99,7 +101,10 @@ class ElementSystem {
 
  private:
   /// `earlier`: a system whose cells the model begins with; `changed`, per cell of it: 1 when it is not what it was.
-  void lay_tiles(const FemModel& model, const ElementSystem* earlier, std::span<const uint8_t> changed);
+  /// Returns, per tile, that of the earlier system which it begins with; -1: none.
+  std::vector<int32_t> lay_tiles(const FemModel& model, const ElementSystem* earlier, std::span<const uint8_t> changed);
+  /// Blocks of tiles that are those of before are shared with it.
+  void lay_lanes(const ElementSystem* earlier, std::span<const int32_t> tile_before, int32_t same_up_to);
 
   KernelData data_;
   TileOrder order_;

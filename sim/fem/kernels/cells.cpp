@@ -1,6 +1,6 @@
 // The one loop that visits the material (element_system.h has the formulas).
 //
-// A cell here, a cell to a lane in cells_wide.cpp: the two share no line, and every number of a cell goes through the
+// A cell here, a cell to a lane in cells_wide.cpp (of one stencil, or of one each): the two share no line, and every number of a cell goes through the
 // same operations in the same order in both, so that the result does not tell which of the two ran (tests).
 #include "sim/fem/kernels/parts.h"
 
@@ -148,8 +148,25 @@ CellSums run(const CellView& d, const Tile& tile, const Node4* u, const float* q
     out[i] = v4{};
   }
   CellSums sums;
+  LaneForces apart[LaneBlock::none];  // of the block that each kind is at, and how many of its cells were taken
+  int taken[LaneBlock::none] = {16, 16, 16};
+  const LaneBlock* next = tile.lanes.block;
   for (int c = tile.first_cell; c < tile.last_cell; ++c) {
     const KernelCell& cell = d.cells[c];
+    if (const int kind = next ? tile.lanes.kind[c - tile.first_cell] : LaneBlock::none; kind != LaneBlock::none) {
+      LaneForces& block = apart[kind];
+      if (taken[kind] == 16) cells_apart(d, tile.first_cell, *next++, local, q, theta, Measure, block), taken[kind] = 0;
+      const int l = taken[kind]++;
+      for (int k = 0; k < 8; ++k) out[cell.node[k]] += block.force[l][k];
+      const double w = double(cell.scale), e1 = 0.5 * double(block.work[l]), e2 = double(block.bulk[l]),
+                   e3 = double(block.pre[l]);
+      sums.energy += w * (e1 + e2 - e3), sums.magnitude += w * (__builtin_fabs(e1) + e2 + __builtin_fabs(e3));
+      if (kind == LaneBlock::layers) {
+        const double e4 = double(block.layers[l]);
+        sums.energy += w * e4, sums.magnitude += w * __builtin_fabs(e4);
+      }
+      continue;
+    }
     const KernelStencil& s = d.stencils[cell.stencil];
     int same = c + 1;
     while (same < tile.last_cell && d.cells[same].stencil == cell.stencil) ++same;

@@ -38,9 +38,25 @@ struct KernelCell {
   float scale = 0;
 };
 
+/// Cells that each have a stencil of their own, a cell to a lane: row i of a number lies at 16 i.
+struct alignas(64) LaneBlock {
+  enum Kind : uint8_t { centred, off_centre, layers, none };  // what they have in common; none: not in a block
+  float K[64 * 16], f0[32 * 16], volume[16], p0[16], ke[16], bx[4 * 16], by[4 * 16], bz[4 * 16], inv4h[3 * 16];
+  float slide[16], rest[16], rest_lambda[16], along[3 * 16], across[3 * 16], normal[3 * 16];  // of `layers` only
+  int32_t cell[16];  // from the tile's first on, ascending; what fills up repeats the last
+  int32_t count = 0;
+  Kind kind = none;
+};
+/// Those of a tile, in the order in which their first cells come.
+struct TileLanes {
+  const LaneBlock* block = nullptr;
+  const LaneBlock::Kind* kind = nullptr;  // per cell of the tile
+};
+
 struct Tile {
   int32_t first_cell = 0, last_cell = 0;
   int32_t first_slot = 0, last_slot = 0;
+  TileLanes lanes = {};  // no block: none
 };
 inline constexpr int max_tile_nodes = 8192;
 

@@ -13,6 +13,13 @@ constexpr float slide_least = 0.25f;  // layer_slide.h: squared area ratio from 
 /// Cells [first, last) of a tile, all of one stencil; `local`, `out`: the tile's nodes.
 void cells_wide(const CellView& data, int first, int last, const v4* local, v4* out, const float* q, float* theta,
                 bool measure, CellSums& sums);
+/// What the cells of a block add: forces per lane and corner, and energies (without their scale).
+struct LaneForces {
+  alignas(64) v4 force[16][8];
+  float work[16], bulk[16], pre[16], layers[16];
+};
+void cells_apart(const CellView& data, int first_cell, const LaneBlock& block, const v4* local, const float* q,
+                 float* theta, bool measure, LaneForces& out);
 /// Cells of one stencil in a row from which a cell to a lane pays, even if some lanes idle (measured).
 constexpr int least_wide = part_lanes == 16 ? 6 : part_lanes == 8 ? 4 : 3;
 void update_multipliers(const CellView& data, const float* theta, float* q, float scale_of_increment, size_t first,

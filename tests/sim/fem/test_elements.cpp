@@ -240,9 +240,16 @@ TEST(ElementSystem, TilesTakenOverAreThoseMadeAnew) {
   b.young_bottom_kPa = 18;
   Random r(11);
   const auto below = [&](size_t n) { return std::min(n - 1, size_t((r.uniform() + 1) / 2 * double(n))); };
-  auto model = std::make_shared<const FemModel>(box_model(b));
+  FemModel first = box_model(b);
+  for (size_t i = 0; i < first.cells.size(); ++i)
+    if (i % 3 > 0) {  // as on a face
+      Stencil own = first.stencils[size_t(first.cells[i].stencil)];
+      own.volume_mm3 *= 1.5 + r.uniform();
+      first.cells[i].stencil = int32_t(first.stencils.size()), first.stencils.push_back(own);
+    }
+  auto model = std::make_shared<const FemModel>(first);
   auto system = std::make_unique<fem::ElementSystem>(model);
-  size_t tiles = 0;
+  size_t tiles = 0, with_lanes = 0, shared = 0;
   for (int round = 0; round < 12; ++round) {
     auto next = std::make_shared<FemModel>(*model);
     const auto duplicate = [&](int32_t node) {
@@ -261,6 +268,7 @@ TEST(ElementSystem, TilesTakenOverAreThoseMadeAnew) {
       if (round == 7) old.scale = 0.5f;
       if (round == 10) old.scale = 0;  // it leaves its tile: all is made anew
     }
+    if (round > 3) next->stencils.push_back(Stencil(next->stencils[5]));
     auto taken_over = std::make_unique<fem::ElementSystem>(next, true, model.get(), system.get());
     const fem::ElementSystem anew(next);
     const fem::KernelData &x = taken_over->kernel(), &y = anew.kernel();
@@ -270,6 +278,18 @@ TEST(ElementSystem, TilesTakenOverAreThoseMadeAnew) {
       EXPECT_EQ(x.tiles[t].last_cell, y.tiles[t].last_cell);
       EXPECT_EQ(x.tiles[t].first_slot, y.tiles[t].first_slot);
       EXPECT_EQ(x.tiles[t].last_slot, y.tiles[t].last_slot);
+    }
+    for (size_t t = 0; t < x.tiles.size(); ++t) {
+      ASSERT_EQ(x.lanes[t] == nullptr, y.lanes[t] == nullptr) << round;
+      if (!x.lanes[t]) continue;
+      if (const auto& old = system->kernel().lanes; std::find(old.begin(), old.end(), x.lanes[t]) != old.end())
+        ++shared;
+      with_lanes += 1;
+      EXPECT_EQ(x.lanes[t]->kind, y.lanes[t]->kind);
+      ASSERT_EQ(x.lanes[t]->block.size(), y.lanes[t]->block.size());
+      EXPECT_EQ(std::memcmp(x.lanes[t]->block.data(), y.lanes[t]->block.data(),
+                            x.lanes[t]->block.size() * sizeof(fem::LaneBlock)),
+                0);
     }
     EXPECT_EQ(x.slot_node, y.slot_node) << round;
     EXPECT_EQ(x.node_slots, y.node_slots) << round;
@@ -283,6 +303,8 @@ TEST(ElementSystem, TilesTakenOverAreThoseMadeAnew) {
     system = std::move(taken_over);
     tiles += x.tiles.size();
   }
+  EXPECT_GT(shared, 20u);
+  EXPECT_GT(with_lanes, shared);
   EXPECT_GT(tiles, 80u);  // several to take over in each round
 }
 

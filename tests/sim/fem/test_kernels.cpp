@@ -1,8 +1,11 @@
 // The kernels of every instruction set that this machine has: the same bits from each, with any number of threads.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
+#include <tuple>
+#include <vector>
 
 #include "models.h"
 #include "sim/fem/elements/element_system.h"
@@ -92,6 +95,52 @@ TEST(Kernels, CellsAgree) {
       EXPECT_EQ(cells.theta(100), theta);
     });
   }
+}
+
+// Where each cell has a stencil of its own they are taken a cell to a lane all the same: same bits as one by one.
+TEST(Kernels, CellsOfTheirOwnStencilsAreTakenTogetherWithTheSameBits) {
+  FemModel m = block({31, 29, 5});
+  const std::vector<Stencil> kinds{m.stencils[0], m.stencils[1], m.stencils[2]};
+  Random r(12);
+  for (size_t i = 0; i < m.cells.size(); ++i) {
+    if (r.uniform() < -0.4) continue;  // some stay in runs of one
+    Stencil own = kinds[size_t(1.5 * (r.uniform() + 0.999))];
+    own.K *= 1.5 + r.uniform(), own.volume_mm3 *= 1.5 + r.uniform(), own.lambda_kPa *= 1.5 + r.uniform();
+    if (own.slide_kPa == 0 && own.sample != Vec3::Constant(0.5)) own.sample = {0.5, 0.5 + 0.3 * r.uniform(), 0.6};
+    m.cells[i].stencil = int32_t(m.stencils.size()), m.stencils.push_back(own);
+  }
+  const auto model = std::make_shared<FemModel>(m);
+  const NodeArray u = random_nodes(m.X_mm.size(), 0.7, 1);
+  const fem::ElementSystem system(model);
+  const fem::KernelData& data = system.kernel();
+  std::array<size_t, fem::LaneBlock::none> together{};
+  for (const auto& lanes : data.lanes)
+    if (lanes)
+      for (auto kind : lanes->kind)
+        if (kind != fem::LaneBlock::none) ++together[kind];
+  for (size_t n : together) EXPECT_GT(n, 500u);
+  AlignedArray<float> q(m.cells.size());
+  for (float& x : q) x = float(0.1 * r.uniform());
+  for (bool measure : {false, true})
+    for_every_set([&](const Kernels& k) {
+      const auto evaluate = [&](bool lanes) {
+        NodeArray slots(data.slot_node.size());
+        AlignedArray<float> theta(m.cells.size());
+        std::vector<double> sums;
+        for (fem::Tile tile : data.tiles) {
+          if (!lanes) tile.lanes = {};
+          const fem::CellSums s =
+              k.evaluate_tile(data.view(), tile, u.data(), q.data(), slots.data(), theta.data(), measure);
+          sums.push_back(s.energy), sums.push_back(s.magnitude);
+        }
+        return std::tuple(std::move(slots), std::vector<float>(theta.begin(), theta.end()), sums);
+      };
+      const auto [slots, theta, sums] = evaluate(true);
+      const auto [slots_1, theta_1, sums_1] = evaluate(false);
+      EXPECT_TRUE(same_bits(slots, slots_1));
+      EXPECT_EQ(theta, theta_1);
+      EXPECT_EQ(sums, sums_1);
+    });
 }
 
 TEST(Kernels, VectorsAgree) {
