@@ -146,7 +146,7 @@ class LbfgsSolver final : public ElasticSolver {
   ContactForces contacts_;
   Vec3 gravity_m_s2_ = Vec3::Zero();
   std::vector<DeadLoad> load_list_;
-  DeadLoads loads_;  // of both
+  DeadLoads loads_;    // of both
   LoosePieces loose_;  // looked for when something could push one
   bool loose_known_ = false;
   MaterialPoints points_;

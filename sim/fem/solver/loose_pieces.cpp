@@ -22,7 +22,8 @@ bool LoosePieces::shorten(NodeArray& d) const {
     double farthest = 0;
     for (int32_t v : nodes) {
       const Node4& x = d[size_t(v)];
-      farthest = std::max(farthest, std::hypot(double(x.x), double(x.y), double(x.z)));
+      farthest = std::max(farthest,
+                          std::sqrt(double(x.x) * double(x.x) + double(x.y) * double(x.y) + double(x.z) * double(x.z)));
     }
     if (!(farthest > kLooseStep_mm)) continue;
     const float share = float(kLooseStep_mm / farthest);

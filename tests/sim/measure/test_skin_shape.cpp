@@ -176,7 +176,7 @@ TEST(WoundGape, AnEdgeThatLooksAtNoOtherIsOpen) {
   EXPECT_NEAR(g.open_mm, 40, 1e-6);
 }
 
-// A bank that was drawn 3 mm over the other, a tenth of a millimetre above it: it does not gape, and it is no good edge.
+// A bank that was drawn 3 mm over the other, .1 mm above it: it does not gape, and it is no good edge.
 TEST(WoundGape, AnEdgeOverOtherSkinOverlaps) {
   const SurfaceView v = two_banks(20);
   const auto drawn = [&](float over, float up) {
