@@ -1,8 +1,8 @@
 // The one loop that visits the material (element_system.h has the formulas).
 //
 // A cell here, a cell to a lane in cells_wide.cpp (of one stencil, or of one each): the two share no line, and every
-// number of a cell goes through the same operations in the same order in both, so that the result does not tell which of
-// the two ran (tests).
+// number of a cell goes through the same operations in the same order in both, so that the result does not tell which
+// of the two ran (tests).
 #include "sim/fem/kernels/parts.h"
 
 namespace limberg::fem::LIMBERG_SET {
