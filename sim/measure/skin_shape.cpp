@@ -269,8 +269,10 @@ TurnedSkin turned_skin(const SurfaceView& view, std::span<const Vec3f> x_mm, con
     const auto x = now(view, x_mm, t);
     const Vec3 n = area_vector2(x[0], x[1], x[2]);
     if (!(n.norm() > 0)) continue;
-    if (n.normalized().dot(skin.nearest((x[0] + x[1] + x[2]) / 3).normal) >= kTurned) continue;
     const auto X = rest(view, t);
+    // In a lip that has moved by its thickness, the nearest of the original surface is its other side.
+    if (n.dot(area_vector2(X[0], X[1], X[2])) >= 0) continue;
+    if (n.normalized().dot(skin.nearest((x[0] + x[1] + x[2]) / 3).normal) >= kTurned) continue;
     const double area = 0.5 * area_vector2(X[0], X[1], X[2]).norm();
     out.area_mm2 += area;
     out.at_mm += area * (X[0] + X[1] + X[2]) / 3;

@@ -63,7 +63,8 @@ inline constexpr double kOver_mm = 5;
 WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm);
 
 /// Skin that lies on its face or is turned inside out: skin whose outward normal now is more than 120 degrees from that
-/// of the original surface there (90 is upright, as the wall of a fold; 30 more, so that skin that stands up is none).
+/// of the original surface there (90 is upright, as the wall of a fold; 30 more, so that skin that stands up is none), and
+/// more than 90 from its own at rest: beside a thin fold the original surface nearest to skin may be its other side.
 struct TurnedSkin {
   double area_mm2 = 0;        // at rest
   Vec3 at_mm = Vec3::Zero();  // its middle at rest

@@ -1,6 +1,7 @@
 // Forms of known size: a cone, a parallel wound, a stretched skin.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -209,6 +210,26 @@ TEST(TurnedSkin, AFlapOnItsFaceIsSeen) {
   const auto upright =
       deformed(v, [](const Vec3& X) { return X.z() == 0 && X.x() > 15 ? Vec3(15, X.y(), X.x() - 15) : X; });
   EXPECT_EQ(turned_skin(v, upright, skin).area_mm2, 0);
+}
+
+// A lip is skin on both sides. Moved by its thickness, either side lies nearest to where the other was, and none is turned.
+TEST(TurnedSkin, ALipThatMovesByItsThicknessIsNone) {
+  const auto body = measured_block({60, 60, 2}, 1);
+  const auto side = [&](size_t t) {
+    const Tri& v = body->surface.tri[t];
+    return std::array<double, 3>{body->surface.X_mm[size_t(v[0])].z(), body->surface.X_mm[size_t(v[1])].z(),
+                                 body->surface.X_mm[size_t(v[2])].z()};
+  };
+  for (size_t t = 0; t < body->surface.tri.size(); ++t)
+    if (const auto z = side(t); z[0] < -1.9 && z[1] < -1.9 && z[2] < -1.9) body->surface.tag[t] = SurfaceTag::skin;
+  const Skin skin(body);
+  const SurfaceView v = view_of(*body);
+  for (double by : {-2.0, 2.0})
+    EXPECT_EQ(turned_skin(v, deformed(v, [=](const Vec3& X) { return Vec3(X + Vec3(0, 0, by)); }), skin).area_mm2, 0)
+        << by;
+  // Turned over about its middle it lies on its face, both sides of it.
+  const auto over = deformed(v, [](const Vec3& X) { return Vec3(-X.x(), X.y(), -2 - X.z() + 2.5); });
+  EXPECT_GT(turned_skin(v, over, skin).area_mm2, 0);
 }
 
 TEST(Rim, IsWhereSkinMeetsWall) {
