@@ -24,8 +24,8 @@ struct Touch {
 std::vector<Touch> touches(std::span<const StylusSample> readings, const Vec3& tip_offset_mm);
 inline constexpr double kStillTouch_mm = 1.5;  // RMS: twice the static accuracy of a FASTRAK
 
-/// Distances between the finger tips, each 16 ms while both are tracked, by the tips of `calibration.glove`. `other`: of
-/// the glove on the other hand. `readings`: how many there were of its fingers.
+/// Distances between the finger tips, each 16 ms while both are tracked, by the tips of `calibration.glove`. `other`:
+/// of the glove on the other hand. `readings`: how many there were of its fingers.
 inline constexpr double kAperturesHz = 62.5;
 std::vector<double> apertures(std::span<const Sample> samples, const Calibration& calibration, bool other,
                               int64_t* readings = nullptr);

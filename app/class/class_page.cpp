@@ -244,7 +244,8 @@ Markup times(const Class& c) {
 std::string place_of(const ClassPage& p, const ClassForces& f) {
   if (!f.x_mm || !f.y_mm) return "–";
   const std::string near = near_letter(p.plan.letters, {*f.x_mm, *f.y_mm});
-  return fmt::format("{}({:.0f}, {:.0f}) mm", near.empty() ? "" : near + ", ", *f.x_mm + 0.0, *f.y_mm + 0.0);
+  return fmt::format("{}({:.0f}, {:.0f}) mm", near.empty() ? "" : near + ", ", std::round(*f.x_mm) + 0.0,
+                     std::round(*f.y_mm) + 0.0);
 }
 
 Markup forces(const Class& c) {

@@ -59,7 +59,7 @@ bool ends(const fs::path& p, const char* with) { return p.extension() == with; }
 struct Search {
   fs::path without;
   const std::function<bool(size_t)>& look;
-  Gathered out;
+  GatheredSessions out;
   size_t files = 0;
   bool over = false;
 
@@ -130,7 +130,8 @@ FoundSession session_at(const std::string& path) {
   return ends(path, ".jsonl") ? script_at(path) : recording_at(path);
 }
 
-Gathered gather(const std::string& folder, const std::string& without, const std::function<bool(size_t)>& look) {
+GatheredSessions gather(const std::string& folder, const std::string& without,
+                        const std::function<bool(size_t)>& look) {
   std::error_code ec;
   if (!fs::is_directory(folder, ec))
     throw InputError(folder, 0, "is no folder; expected one that holds the recordings of a class");

@@ -23,7 +23,7 @@ struct LeftOut {
   std::string path, reason;
   bool broken = false;  // it should have been one of a class, and cannot be used
 };
-struct Gathered {
+struct GatheredSessions {
   std::vector<FoundSession> sessions;  // in the order of their paths
   std::vector<LeftOut> left_out;
 };
@@ -33,6 +33,6 @@ FoundSession session_at(const std::string& path);
 
 /// `without`: a folder that is passed over (where the page goes). `look`: called before each file is read; false ends
 /// the search. InputError: `folder` is no folder, or holds more than 2000 sessions.
-Gathered gather(const std::string& folder, const std::string& without, const std::function<bool(size_t)>& look);
+GatheredSessions gather(const std::string& folder, const std::string& without, const std::function<bool(size_t)>& look);
 
 }  // namespace limberg

@@ -55,8 +55,8 @@ struct ClassMember {
   ClassExtra also;
 };
 
-/// From the text of a result; what is absent stays empty, lists of different lengths are cut to the shortest. InputError
-/// (`file`) as read_report_data.
+/// From the text of a result; what is absent stays empty, lists of different lengths are cut to the shortest.
+/// InputError (`file`) as read_report_data.
 ClassMember read_member(const std::string& text, const std::string& file);
 
 /// A figure of `exercise` ("time_s", "design/corner_max_mm"), if it is there.

@@ -298,7 +298,7 @@ int run_class(const ClassOptions& o) {
   if (o.common.out_dir.empty())
     throw InputError("", 0, "class: expected --out DIR, a folder for the page and the table");
   if (!o.key.empty()) check_writable(o.key), check_replaces(o.key, kKeyHeader, "a key of names");
-  Gathered found;
+  GatheredSessions found;
   {
     Progress progress("class");
     found = gather(o.folder, o.common.out_dir, [&](size_t n) {
@@ -436,7 +436,7 @@ void add_class(CLI::App& app, Chosen& chosen) {
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
   c->footer(
       "Exit status 3: something in the folder could not be used, or the call was interrupted; the same call goes on.\n"
-      "Example: limberg class recordings/class --lesson rhomboid --out out/class");
+      "Example: limberg class my-class --lesson rhomboid --out out/class");
   c->callback([o, &chosen] { chosen = [o] { return run_class(*o); }; });
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// What `limberg class` measures: a recording done again on its own clock, or a script carried out, seen while it goes on
-// and looked at at its end. What comes of it is the text of a result with `class` in it (app/class/member.h).
+// What `limberg class` measures: a recording done again on its own clock, or a script carried out, seen while it goes
+// on and looked at at its end. What comes of it is the text of a result with `class` in it (app/class/member.h).
 #include <functional>
 #include <optional>
 #include <string>

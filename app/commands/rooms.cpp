@@ -60,7 +60,7 @@ ConnectedThing lcm_heard() {
     const std::unique_ptr<RoomHands> hands = live_hands({"lcm"});
     constexpr double kListen_s = 1;
     const std::vector<Sample> samples = hands->during("look", kListen_s, {}, {});
-    const HeardStreams h = heard_in(samples);
+    const HeardDevices h = heard_in(samples);
     if (!samples.empty()) {
       t.there = true;
       t.can = fmt::format("{}, {:.0f} readings a second in all",

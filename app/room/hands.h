@@ -14,8 +14,8 @@ namespace limberg {
 class RoomHands {
  public:
   virtual ~RoomHands() = default;
-  /// Everything that comes in so many seconds, from the beginning of the step on. `asked`: the step's name; "look": what
-  /// is there at all? `enough` ends it earlier; `shown` is told how far it is, in s. Ends when interrupted().
+  /// Everything that comes in so many seconds, from the beginning of the step on. `asked`: the step's name; "look":
+  /// what is there at all? `enough` ends it earlier; `shown` is told how far it is, in s. Ends when interrupted().
   virtual std::vector<Sample> during(const std::string& asked, double seconds,
                                      const std::function<bool(const std::vector<Sample>&)>& enough,
                                      const std::function<void(double s)>& shown) = 0;

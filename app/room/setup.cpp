@@ -69,7 +69,7 @@ SetUpOutcome set_up(RoomHands& hands, const RoomTalk& talk, const Calibration& f
   SetUpOutcome o;
   o.calibration = from;
   talk.out << "Listening for what is there ...\n" << std::flush;
-  HeardStreams heard = heard_in(hands.during("look", 2, {}, {}));
+  HeardDevices heard = heard_in(hands.during("look", 2, {}, {}));
   heard.tracked = hands.tracked();
   for (const std::string& line : hands.health()) talk.out << "  " << line << "\n";
   talk.out << fmt::format("  heard: {}\n", heard.stylus && heard.glove ? "a stylus and a glove"

@@ -336,8 +336,8 @@ bool StepOutcome::good() const {
   return advice.empty() && std::all_of(checks.begin(), checks.end(), [](const RoomCheck& c) { return c.good(); });
 }
 
-HeardStreams heard_in(std::span<const Sample> samples) {
-  HeardStreams h;
+HeardDevices heard_in(std::span<const Sample> samples) {
+  HeardDevices h;
   for (const Sample& s : samples) {
     if (const auto* t = std::get_if<TrackerSample>(&s)) {
       h.stylus |= t->role == StationRole::stylus;
@@ -349,7 +349,7 @@ HeardStreams heard_in(std::span<const Sample> samples) {
   return h;
 }
 
-std::vector<RoomStep> room_steps(const HeardStreams& h) {
+std::vector<RoomStep> room_steps(const HeardDevices& h) {
   std::vector<RoomStep> all{kRest};
   if (h.stylus && h.tracked) all.insert(all.end(), {kTip, kTable});
   if (h.glove) all.push_back(kHand);

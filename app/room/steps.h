@@ -1,6 +1,6 @@
 #pragma once
 // The steps of setting a room up: what a person is asked to do, in plain words, and what is made of the readings that
-// came meanwhile. A step is judged by figures with limits; those that calibrate change the calibration if they are good.
+// came meanwhile. A step is judged by figures with limits; one that calibrates changes the calibration if it is good.
 //
 //   rest     hands off: rate, gaps and noise of every stream
 //   tip      the stylus is turned in a dimple: where its tip is               (calibration/pivot.h)
@@ -21,11 +21,11 @@
 namespace limberg {
 
 /// What was heard of a device.
-struct HeardStreams {
+struct HeardDevices {
   bool stylus = false, glove = false;
   bool tracked = false;  // its places are those of a tracker: they mean little without a calibration
 };
-HeardStreams heard_in(std::span<const Sample> samples);
+HeardDevices heard_in(std::span<const Sample> samples);
 
 struct StepOutcome {
   std::vector<RoomCheck> checks;
@@ -45,7 +45,7 @@ struct RoomStep {
 };
 
 /// Those that these streams need, in their order.
-std::vector<RoomStep> room_steps(const HeardStreams& heard);
+std::vector<RoomStep> room_steps(const HeardDevices& heard);
 
 /// The points of the step "table", in the world: a sheet of A4 that lies before the person with its long side along x,
 /// its middle the middle of the patient's skin. Corners from the left far one clockwise, then the middle.
