@@ -29,7 +29,9 @@ std::string clock_of(const Maybe& s) {
   return fmt::format("{}:{:02}", whole / 60, whole % 60);
 }
 
-std::string metres(const Maybe& mm) { return mm ? quantity(*mm / 1000, "m") : "–"; }
+std::string metres(const Maybe& mm) {
+  return !mm ? "–" : *mm < 1000 ? quantity(std::round(*mm), "mm") : quantity(*mm / 1000, "m");
+}
 
 struct Class {
   const ClassPage& page;

@@ -34,7 +34,7 @@ void fields(ClassStitches& s, auto&& f) { f("x_mm", s.x_mm), f("y_mm", s.y_mm); 
 
 /// act_s: when each line of the result's script was done, in s of the session. whole: it ended as a session ends.
 struct ClassExtra {
-  static constexpr int kFormat = 2;  // of what is kept of a measurement
+  static constexpr int kFormat = 4;  // of what is kept of a measurement
   std::string kind;                  // "recording", "script", "result"
   MaybeFlag whole;
   std::string damage;  // of a recording, in words

@@ -181,7 +181,7 @@ std::string path_legend() {
   return "Blue: the tool on its way. Red: it cuts; green: undermines; violet: holds and carries; ochre: sews. Grey: "
          "the "
          "expert. Violet, dashed, with letters: the plan. Red crosses: presses that came to nothing. Skin is drawn as "
-         "it lay before the operation.";
+         "it lay before the operation, bone as the picture of the scene sees it.";
 }
 
 std::string step_times_svg(const std::vector<StepTimes>& rows, const std::string& description) {

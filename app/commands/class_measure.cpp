@@ -79,18 +79,23 @@ class Watcher {
   void begin(const World& world, const Camera& camera) { places_.emplace(world, camera); }
   void act(double) { also.act_s.push_back(t_s_); }
   /// After a step.
-  void step(const World& world, double t_s, const ToolState& hand, Channels& ch) {
+  void step(const World& world, double t_s, const HandState& hands, Channels& ch) {
     t_s_ = t_s;
-    const bool pressed = hand.valid && hand.pressed;
-    const double tool = pressed ? double(std::max(hand.tool, 1)) : 0;
+    const ToolState& hand = hands.tool;
+    // A glove that holds something is the hand that works, and so is one by itself.
+    const bool by_glove = hands.glove.valid && (hands.glove.closed || !hand.valid);
+    const bool pressed = by_glove ? hands.glove.closed : hand.valid && hand.pressed;
+    const double tool = !pressed ? 0 : by_glove ? double(Tool::grab) : double(std::max(hand.tool, 1));
     const bool heard = ch.missed.front() || ch.notices.front();
     if (!heard && t_s < next_s_ && tool == last_tool_) return;
     world.fill(now_);
     tell_missed(ch);
     if (t_s < next_s_ && tool == last_tool_) return;
     next_s_ = t_s + every_s_;
+    if (by_glove != by_glove_) add({kNone, kNone}, 0), by_glove_ = by_glove;  // from one hand to the other is no way
+    const double* const tip = by_glove ? hands.glove.centre_mm : hand.tip_mm;
     const ChartPoint at =
-        hand.valid ? places_->at(now_, Vec3(hand.tip_mm[0], hand.tip_mm[1], hand.tip_mm[2])) : ChartPoint(kNone, kNone);
+        by_glove || hand.valid ? places_->at(now_, Vec3(tip[0], tip[1], tip[2])) : ChartPoint(kNone, kNone);
     add(at, tool);
     last_tool_ = tool;
   }
@@ -141,13 +146,14 @@ class Watcher {
   std::optional<Places> places_;
   Snapshot now_;
   double t_s_ = 0, next_s_ = 0, every_s_ = 0.08, last_tool_ = -1;
+  bool by_glove_ = false;
 };
 
 void draw(const std::string& file, const World& world, const Scene& scene, const Snapshot& last) {
   if (file.empty() || !last.topology) return;
   if (world.skin()) return draw_member_picture(file, "", last);
   try {
-    PictureMaker pictures(720, 720);
+    PictureMaker pictures(480, 480);
     pictures.set_camera(scene_camera(scene));
     PictureOptions o;
     o.face = FaceLook::clear;
@@ -177,7 +183,7 @@ std::optional<std::string> of_recording(const FoundSession& session, const Class
     if (act)
       watcher.act(t_s);
     else
-      watcher.step(world, t_s, hands->tool, *channels);
+      watcher.step(world, t_s, *hands, *channels);
   };
   Assembly a(std::move(call.scene), call.calibration, o);
   channels = &a.channels;

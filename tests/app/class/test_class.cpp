@@ -103,6 +103,20 @@ TEST(ClassWalk, OrderStraysAndWhatIsMissing) {
   EXPECT_EQ(aborted.out_of_order, 0);
 }
 
+TEST(ClassWalk, HooksAreMeans) {
+  std::vector<Command> acts = shipped_script();
+  const auto moved = acts.begin() + long(first_of<MoveHook>(acts));
+  const MoveHook away = std::get<MoveHook>(*moved);
+  acts.insert(moved + 1, 12, away);  // more of them than any plan has
+  const ClassMember m = session(acts);
+  const ClassWalk w = walk_of(plan(), m);
+  // What they took counts for what they helped to do.
+  EXPECT_NEAR(*w.elsewhere_s, 0, 1e-9);
+  EXPECT_NEAR(sum_of(w), *m.result.duration_s, 1e-9);
+  EXPECT_EQ(w.out_of_order, 0);
+  EXPECT_EQ(w.elsewhere, 0);
+}
+
 TEST(ClassWalk, WhatIsShownIsNobodysFault) {
   std::vector<Command> acts = shipped_script();
   const size_t cut = first_of<Incise>(acts);
@@ -124,9 +138,8 @@ TEST(ClassWalk, WhatIsShownIsNobodysFault) {
 TEST(ClassFindings, CountsAndMedians) {
   const auto of = [](double corner, double undos, bool judged = true) {
     ClassMember m = session({});
-    ResultTolerance t{"corner_mm", "mm", 2.0, {}, false, "there is none"};
+    ResultTolerance t{"dog_ear_mm", "mm", 2.0, {}, false, "there is none"};
     if (judged) t.value = corner, t.met = corner <= 2, t.why.clear();
-    if (!judged) t.name = "closure_N";
     m.result.lesson.tolerances = std::vector{t};
     m.result.exercise["undos"] = undos;
     m.result.residual = 1e-6;
@@ -136,7 +149,7 @@ TEST(ClassFindings, CountsAndMedians) {
   const std::vector<Finding> expert = of(2.5, 0);
   const std::vector<ClassFinding> all = class_findings(students, expert);
   ASSERT_EQ(all.size(), 2u);  // nothing that nobody has wrong
-  EXPECT_EQ(all[0].key, "tolerance/corner_mm");
+  EXPECT_EQ(all[0].key, "tolerance/dog_ear_mm");
   EXPECT_EQ(all[0].wrong, 3);
   EXPECT_EQ(all[0].judged, 4);  // the fifth could not be judged by it
   EXPECT_DOUBLE_EQ(*all[0].median, 4);
