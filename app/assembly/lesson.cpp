@@ -501,4 +501,12 @@ LessonValues lesson_values(const Metrics& m, const std::optional<DesignError>& e
   return v;
 }
 
+LessonValues values_of_metrics(const std::map<std::string, double>& metrics) {
+  LessonValues v;
+  for (const Known& k : kKnown)
+    if (k.measure)
+      if (const auto at = metrics.find(k.measure); at != metrics.end()) v.value[k.name] = at->second;
+  return v;
+}
+
 }  // namespace limberg

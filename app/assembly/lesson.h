@@ -23,6 +23,7 @@
 //   [[step]], [[limit]]                     what is said at each step, what is not to be crossed (lesson_steps.h)
 //
 // Reading is strict, as of scenes. There is no grade: each tolerance is met or not, with its value beside it.
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -87,5 +88,7 @@ std::string words_of_tolerance(const std::string& name);
 /// The most that is to be done better, worst first, at most `most` sentences. Empty: all is met.
 std::vector<std::string> to_do_better(std::span<const Judgement> judged, size_t most = 3);
 LessonValues lesson_values(const Metrics& metrics, const std::optional<DesignError>& error);
+/// Of a result.json's metrics by their names there: only what is figures of the skin.
+LessonValues values_of_metrics(const std::map<std::string, double>& metrics);
 
 }  // namespace limberg

@@ -16,6 +16,7 @@
 #include "calibration/pointing.h"
 #include "calibration/points_file.h"
 #include "calibration/registration.h"
+#include "devices/calibrating.h"
 #include "devices/glove.h"
 #include "devices/recording.h"
 #include "sim/base/error.h"
@@ -38,22 +39,12 @@ std::string today() {
 
 /// The readings of a stylus in a log, as a sensor's, in order.
 std::vector<StylusSample> stylus_readings(const Recording& rec, const std::string& log) {
-  std::vector<StylusSample> r;
-  for (const Sample& s : rec.samples) {
-    if (const auto* t = std::get_if<TrackerSample>(&s); t && t->role == StationRole::stylus)
-      r.push_back(as_stylus(*t));
-    else if (const auto* p = std::get_if<StylusSample>(&s))
-      r.push_back(*p);
-  }
+  std::vector<StylusSample> r = stylus_readings(rec.samples);
   if (r.empty())
     throw InputError(
         log, 0,
         "holds no reading of a stylus; expected one recorded with a station of role s, or LIMBERG_STYLUS messages");
   return r;
-}
-
-Eigen::Quaterniond rotation(const StylusSample& s) {
-  return Eigen::Quaterniond(s.quat[0], s.quat[1], s.quat[2], s.quat[3]).normalized();
 }
 
 void line(const char* what, double value, const char* unit, double limit, bool at_most) {
@@ -89,7 +80,7 @@ void tell_pivot(const char* what, const char* residual, const PivotResult& r, co
 int stylus(const CalibrateOptions& o, const Recording& rec, Calibration c) {
   std::vector<SensorPose> poses;
   for (const StylusSample& s : stylus_readings(rec, o.log))
-    poses.push_back({s.tip_mm + c.distortion.at(s.tip_mm), rotation(s)});
+    poses.push_back({s.tip_mm + c.distortion.at(s.tip_mm), rotation_of(s)});
   const PivotLimits limit;
   const PivotResult r = calibrate_pivot(poses, 1, limit);
   tell_pivot("stylus", "residual", r, limit);
@@ -104,7 +95,7 @@ std::vector<SensorPose> finger_poses(const CalibrateOptions& o, const Recording&
   std::vector<SensorPose> poses;
   for (const Sample& s : rec.samples)
     if (const auto* t = std::get_if<TrackerSample>(&s); t && t->role == role)
-      poses.push_back({t->pos_mm + c.distortion.at(t->pos_mm), rotation(as_stylus(*t))});
+      poses.push_back({t->pos_mm + c.distortion.at(t->pos_mm), rotation_of(as_stylus(*t))});
   if (poses.empty())
     throw InputError(o.log, 0,
                      std::string("holds no reading of the ") + o.what +
@@ -150,55 +141,14 @@ int pointing(const CalibrateOptions& o, const Recording& rec, Calibration c) {
   return finish(o, c);
 }
 
-/// A place that the stylus rested on with its switch pressed.
-struct Touch {
-  Vec3 sensor_mm = Vec3::Zero(), tip_mm = Vec3::Zero();  // in the tracker's frame, as measured
-  double spread_mm = 0;
-  int readings = 0;
-};
-
-std::vector<Touch> touches(const std::vector<StylusSample>& readings, const Calibration& c) {
-  std::vector<Touch> all;
-  std::vector<const StylusSample*> press;
-  const auto end = [&] {
-    constexpr size_t kFewest = 12;  // a tenth of a second
-    if (press.size() >= kFewest) {
-      // The switch moves the hand when it is pressed and let go: the middle counts.
-      const size_t from = press.size() / 5, to = press.size() - from;
-      Touch t;
-      double sum2 = 0;
-      std::vector<Vec3> tips;
-      for (size_t i = from; i < to; ++i) {
-        const Vec3 tip = press[i]->tip_mm + rotation(*press[i]) * c.tip_offset_mm;
-        t.sensor_mm += press[i]->tip_mm, t.tip_mm += tip, tips.push_back(tip);
-      }
-      t.readings = int(tips.size());
-      t.sensor_mm /= t.readings, t.tip_mm /= t.readings;
-      for (const Vec3& p : tips) sum2 += (p - t.tip_mm).squaredNorm();
-      t.spread_mm = std::sqrt(sum2 / t.readings);
-      all.push_back(t);
-    }
-    press.clear();
-  };
-  for (const StylusSample& s : readings) {
-    if (s.buttons & 1)
-      press.push_back(&s);
-    else
-      end();
-  }
-  end();
-  return all;
-}
-
 int world(const CalibrateOptions& o, const Recording& rec, Calibration c) {
   if (o.points.empty())
     throw InputError(
         "", 0, "calibrate world without --points; expected a file with a line x y z in mm for each touched point");
   const std::vector<Vec3> known = parse_points(read_whole_file(o.points, 1 << 20), o.points);
-  const std::vector<Touch> touch = touches(stylus_readings(rec, o.log), c);
-  constexpr double kStill = 1.5;  // mm RMS: twice the static accuracy of the device
+  const std::vector<Touch> touch = touches(stylus_readings(rec, o.log), c.tip_offset_mm);
   for (size_t i = 0; i < touch.size(); ++i)
-    if (touch[i].spread_mm > kStill)
+    if (touch[i].spread_mm > kStillTouch_mm)
       return refused(o, "the tip moved by " + std::to_string(touch[i].spread_mm).substr(0, 4) + " mm during touch " +
                             std::to_string(i + 1) + ": rest it on the point, then press and hold for half a second");
   std::vector<Vec3> tips;
@@ -237,26 +187,14 @@ int world(const CalibrateOptions& o, const Recording& rec, Calibration c) {
 int glove(const CalibrateOptions& o, const Recording& rec, Calibration c) {
   Calibration of_glove = c;
   of_glove.glove = glove_of(o, c);
-  GloveTracker tracker(of_glove);
-  constexpr int64_t kStepNs = 16'000'000;
-  std::vector<double> aperture;
-  int64_t next = 0, readings = 0;
-  for (const Sample& s : rec.samples) {
-    const auto* t = std::get_if<TrackerSample>(&s);
-    if (!t || (t->role != role_of(o, false) && t->role != role_of(o, true))) continue;
-    ++readings;
-    for (; next < t->t_ns; next += kStepNs)
-      if (const HandPose h = tracker.at(next); h.valid) aperture.push_back(h.aperture_mm);
-    TrackerSample reading = *t;
-    reading.role = t->role == role_of(o, true) ? StationRole::thumb : StationRole::forefinger;
-    tracker.add(reading);
-  }
+  int64_t readings = 0;
+  const std::vector<double> aperture = apertures(rec.samples, of_glove, o.other, &readings);
   if (readings == 0)
     throw InputError(o.log, 0,
                      "holds no reading of a glove; expected one recorded with stations of the roles f and t, of "
                      "another glove F and T");
   const GloveLimits limit;
-  const GloveResult r = calibrate_glove(aperture, 1e9 / double(kStepNs), limit);
+  const GloveResult r = calibrate_glove(aperture, kAperturesHz, limit);
   std::printf("glove       closed %.1f mm, open %.1f mm\n", r.closed_mm, r.open_mm);
   line("range", r.open_mm - r.closed_mm, "mm", limit.range_mm, false);
   line("closings", r.cycles, "", limit.cycles, false);

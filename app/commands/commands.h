@@ -39,6 +39,8 @@ void add_design(CLI::App& app, Chosen& chosen);
 void add_cases(CLI::App& app, Chosen& chosen);
 void add_measures(CLI::App& app, Chosen& chosen);
 void add_actions(CLI::App& app, Chosen& chosen);
+void add_class(CLI::App& app, Chosen& chosen);
+void add_rooms(CLI::App& app, Chosen& chosen);
 
 /// Options that several commands share.
 struct CommonOptions {

@@ -1,5 +1,4 @@
 // `limberg devices`: what is connected, live poses, rates, gaps, buttons.
-#include <dirent.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -8,7 +7,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <map>
 
 #include "app/assembly/device_specs.h"
@@ -17,6 +15,7 @@
 #include "app/commands/numbers.h"
 #include "app/program/interrupt.h"
 #include "app/result/progress.h"
+#include "app/room/connected.h"
 #include "app/session/clock.h"
 #include "devices/glove.h"
 #include "devices/lcm_publisher.h"
@@ -90,24 +89,6 @@ struct DesktopDevices final : SampleSink {
 bool exists(const char* file) {
   struct stat st {};
   return stat(file, &st) == 0;
-}
-
-/// Serial ports that exist: where a device could be.
-std::vector<std::string> serial_ports() {
-  std::vector<std::string> found;
-  for (const char* dir : {"/dev", "/dev/serial/by-id"}) {
-    DIR* d = opendir(dir);
-    if (!d) continue;
-    while (const dirent* e = readdir(d)) {
-      const std::string name = e->d_name;
-      const bool serial = name.starts_with("ttyUSB") || name.starts_with("ttyACM") || name.starts_with("ttyS");
-      if ((std::strcmp(dir, "/dev") == 0 ? serial : name[0] != '.') && found.size() < 64)
-        found.push_back(std::string(dir) + "/" + name);
-    }
-    closedir(d);
-  }
-  std::sort(found.begin(), found.end());
-  return found;
 }
 
 /// How many lines were printed.

@@ -13,6 +13,7 @@
 #include "app/program/shipped.h"
 #include "app/result/output.h"
 #include "app/result/progress.h"
+#include "app/room/room_file.h"
 #include "devices/emulator.h"
 #include "devices/head_surgeon.h"
 #include "devices/log_source.h"
@@ -24,7 +25,7 @@ namespace limberg {
 namespace {
 
 struct RunOptions {
-  std::string scene = "rhomboid", record, calibration, lesson, judge, continued, of_case, mode = "guided";
+  std::string scene = "rhomboid", record, calibration, lesson, judge, continued, of_case, room, mode = "guided";
   std::vector<std::string> devices;
   double seconds = 0, cursor = 0;
   bool headless = false, replace = false, cut_at_end = false, slow_motion = false;
@@ -204,6 +205,20 @@ RunOptions with_case(RunOptions o) {
   return o;
 }
 
+/// What a room has: its devices, before those of the call, and their calibration.
+RunOptions with_room(RunOptions o) {
+  if (o.room.empty()) return o;
+  const Room room = open_room(o.room);
+  for (const std::string& d : room.devices)
+    if (DeviceSpec(d).kind == "emulated")
+      throw InputError("", 0,
+                       "the room " + room.name + " was set up with an emulated hand (" + d +
+                           "), which operates on nobody; expected a room with a device");
+  o.devices.insert(o.devices.begin(), room.devices.begin(), room.devices.end());
+  o.calibration = room.calibration;
+  return o;
+}
+
 }  // namespace
 
 void add_run(CLI::App& app, Chosen& chosen) {
@@ -225,6 +240,10 @@ void add_run(CLI::App& app, Chosen& chosen) {
       ->type_name("SPEC");
   c->add_option("--calibration", o->calibration, "Calibration file of the device (default: identity)")
       ->type_name("FILE")
+      ->excludes(on);
+  c->add_option("--room", o->room, "Devices and calibration of this room (limberg rooms): its name, or its folder")
+      ->type_name("NAME")
+      ->excludes("--calibration")
       ->excludes(on);
   c->add_option("--record", o->record, "Record the session to this LCM log (--continue FILE.lcm: FILE-2.lcm, ...)")
       ->type_name("FILE");
@@ -256,7 +275,7 @@ void add_run(CLI::App& app, Chosen& chosen) {
   c->footer(
       "Example: limberg run rhomboid --device emulated:recordings/rhomboid.jsonl --record my.lcm --headless --out "
       "out/my");
-  c->callback([o, &chosen] { chosen = [o] { return run_session(with_case(*o)); }; });
+  c->callback([o, &chosen] { chosen = [o] { return run_session(with_room(with_case(*o))); }; });
 }
 
 }  // namespace limberg

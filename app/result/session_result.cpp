@@ -143,7 +143,7 @@ VerdictOf looked_at(Assembly& a, const SessionFigures& f) {
 }  // namespace
 
 std::vector<ResultVerdict> fill_session(Result& r, Assembly& a, const SessionFigures& f, bool real_time,
-                                        const Lesson* lesson) {
+                                        const Lesson* lesson, bool printed) {
   ResultRun run;
   run.scene_title = a.scene.name, run.scene_note = a.scene.note;
   run.mode = real_time ? "realtime" : "lockstep";
@@ -170,7 +170,7 @@ std::vector<ResultVerdict> fill_session(Result& r, Assembly& a, const SessionFig
       e.time_s = f.duration_s, e.hand = a.solver.hand(), e.refused = int(a.solver.refused().size());
       judged =
           fill_exercise(r, e, lesson ? bone_values(*lesson->bone, *a.head, look.bone, a.done) : LessonValues{}, lesson);
-      print_judgements(judged);
+      if (printed) print_judgements(judged);
     }
     look.judged = judged;
     write_fields(r, "", story_of(a));
@@ -195,7 +195,7 @@ std::vector<ResultVerdict> fill_session(Result& r, Assembly& a, const SessionFig
                     lesson && lesson->bone ? bone_values(*lesson->bone, *a.head, look.bone, a.done)
                                            : lesson_values(metrics, e.design),
                     lesson);
-  print_judgements(judged);
+  if (printed) print_judgements(judged);
   write_fields(r, "", story_of(a));
   look.metrics = &metrics, look.body = a.world->skin()->spec().body.get();
   look.cell_mm = a.world->skin()->spec().cell_mm, look.judged = judged;

@@ -15,9 +15,9 @@ namespace limberg {
 /// Everything but `damage`: mode, duration, hashes, parts, memory, the three lanes, latencies, stages, series,
 /// refusals, force balance, metrics and the exercise's figures.
 /// With a lesson: its tolerances, and its plan instead of the one that the cuts show.
-/// Returns the verdict, which the result has too.
+/// Returns the verdict, which the result has too. `printed`: what the lesson asked goes to standard output.
 std::vector<ResultVerdict> fill_session(Result& result, Assembly& session, const SessionFigures& figures,
-                                        bool real_time, const Lesson* lesson = nullptr);
+                                        bool real_time, const Lesson* lesson = nullptr, bool printed = true);
 
 /// `verdict`.
 void fill_verdict(Result& result, std::span<const ResultVerdict> verdict);

@@ -4,6 +4,7 @@
 
 #include "app/assembly/lesson.h"
 #include "app/assembly/repro.h"
+#include "app/class/class_page.h"
 #include "app/export/achieved.h"
 #include "app/export/glb.h"
 #include "app/export/operated.h"
@@ -18,6 +19,7 @@
 #include "app/report/report.h"
 #include "app/report/viewer.h"
 #include "app/result/result.h"
+#include "app/room/hands.h"
 #include "app/scene/scene.h"
 #include "app/scene/tissues.h"
 #include "app/study/member_file.h"
@@ -149,6 +151,44 @@ Entry result_entry(const Folder& folder) {
                     });
 }
 
+/// One of a class, whatever its numbers are: the page stays well formed, and the table has its row.
+Entry class_entry() {
+  const std::string more =
+      R"(,"class":{"kind":"recording","whole":true,"act_s":[1,2],"path":{"x_mm":[1,null,3],"y_mm":[1,null,2],)"
+      R"("tool":[0,null,1]},"missed":{"why":["no skin"],"x_mm":[1],"y_mm":[2]},"stitches":{"x_mm":[1],"y_mm":[1]}}})";
+  const std::string whole(kResult);
+  return text_entry("class_member", {"app/class/member.cpp"}, {kResult, whole.substr(0, whole.rfind('}')) + more},
+                    [](const std::string& text) -> std::string {
+                      ClassPage page;
+                      ClassRow r;
+                      r.member = read_member(text, kNamed);
+                      r.walk = walk_of(page.plan, r.member);
+                      r.findings = findings_of(r.member, r.walk);
+                      page.rows.push_back(std::move(r));
+                      for (const ClassColumn& c : class_columns(page.rows))
+                        if (c.value.size() != 1) return "a column without its value";
+                      return test::xml_fault(class_html(page));
+                    });
+}
+
+void add_room_entries(std::vector<Entry>& all) {
+  all.push_back(text_entry("room", {"app/room/room_file.cpp"},
+                           {"limberg_room = 1\ndate = \"2026-11-28\"\ndevices = [\"lcm\"]\ncalibrated = true\n"
+                            "[[check]]\nstep = \"rest\"\nwhat = \"noise\"\nvalue = 0.2\nlimit = 1\nat_most = true\n"},
+                           [](const std::string& text) -> std::string {
+                             const std::string again = to_toml(parse_room(text, kNamed, "dir"));
+                             return to_toml(parse_room(again, "written", "dir")) == again
+                                        ? ""
+                                        : "a room differs when it is written and read";
+                           }));
+  all.push_back(text_entry("room_hand", {"app/room/hands.cpp"},
+                           {"limberg_hand = 1\nseed = 3\nglove = false\ncone_deg = [10, 50]\nlost = 0.1\n"},
+                           [](const std::string& text) -> std::string {
+                             const EmulatedHand h = parse_emulated_hand(text, kNamed);
+                             return h.cone_deg.empty() || h.grabs.empty() ? "a figure without a value" : "";
+                           }));
+}
+
 Entry comparison_entry(const Folder& folder) {
   return text_entry("comparison", {"app/report/compare.cpp", "app/report/report_data.cpp"}, {kResult},
                     [folder](const std::string& text) {
@@ -260,6 +300,8 @@ std::vector<Entry> text_entries(const Folder& folder) {
   all.push_back(model_entry());
   all.push_back(result_entry(folder));
   all.push_back(comparison_entry(folder));
+  all.push_back(class_entry());
+  add_room_entries(all);
   all.push_back(convergence_entry(folder));
   all.push_back(member_entry(folder));
   all.push_back(trials_entry());
