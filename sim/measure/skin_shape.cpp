@@ -236,7 +236,7 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
 }
 
 TurnedSkin turned_skin(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin) {
-  constexpr double kTurned = -0.5;  // cos 120 degrees
+  constexpr double kTurned = -0.5, kSame = 0.5;  // cos 120 and 60 degrees
   TurnedSkin out;
   for (size_t t = 0; t < view.tri.size(); ++t) {
     if (view.kind[t] != FaceKind::skin) continue;
@@ -245,7 +245,9 @@ TurnedSkin turned_skin(const SurfaceView& view, std::span<const Vec3f> x_mm, con
     if (!(n.norm() > 0)) continue;
     if (n.normalized().dot(skin.nearest((x[0] + x[1] + x[2]) / 3).normal) >= kTurned) continue;
     const auto X = rest(view, t);
-    const double area = 0.5 * area_vector2(X[0], X[1], X[2]).norm();
+    const Vec3 before = area_vector2(X[0], X[1], X[2]);
+    if (n.dot(before) > kSame * n.norm() * before.norm()) continue;
+    const double area = 0.5 * before.norm();
     out.area_mm2 += area;
     out.at_mm += area * (X[0] + X[1] + X[2]) / 3;
   }

@@ -72,6 +72,22 @@ TEST(Lesson, IsReadStrictly) {
   expect_bad(changed("[tolerance]", "[tolerance"), 10, "TOML");
 }
 
+// An operation that is no figure of the repertoire: no corners to judge, all that is measured.
+TEST(Lesson, MayHaveItsScriptForAPlan) {
+  const std::string figure = "[procedure]\nname = \"z_plasty\"\nat_mm = [1, -2]\n[procedure.values]\nlimb_mm = 18\n";
+  expect_bad(changed(figure, ""), 0, "by_script");
+  const std::string alone = changed(figure, "by_script = true\n");
+  expect_bad(alone, 7, "corner_mm");
+  std::string s = alone;
+  s.erase(s.find("corner_mm = 2\n"), 14);
+  const Lesson l = parse_lesson(s, "l.toml");
+  EXPECT_TRUE(l.by_script);
+  EXPECT_FALSE(l.plan);
+  EXPECT_EQ(l.tolerances.size(), 2u);
+  expect_bad(changed("hints = [", "by_script = true\nhints = ["), 4, "stands beside [procedure]");
+  expect_bad(changed("hints = [", "by_script = 1\nhints = ["), 4, "by_script");
+}
+
 TEST(Lesson, ShippedOnesFitTheirScenesAndTheirScripts) {
   for (const std::string name : {"rhomboid", "zplasty"}) {
     const Lesson l = open_lesson(source_dir() + "/app/lessons/" + name + ".toml");

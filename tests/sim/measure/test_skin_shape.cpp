@@ -194,6 +194,26 @@ TEST(TurnedSkin, AFlapOnItsFaceIsSeen) {
   EXPECT_EQ(turned_skin(v, upright, skin).area_mm2, 0);
 }
 
+// A plate with skin on both sides, as an ear, is drawn aside by more than half of its thickness: the nearest original
+// skin of one side is the other's then, and nothing lies on its face. Folded back it does.
+TEST(TurnedSkin, AThinFoldThatMovesLiesNotOnItsFace) {
+  auto body = measured_block({40, 40, 10}, 1);
+  for (Vec3& X : body->surface.X_mm) X.z() *= 0.2;  // 2 mm
+  for (size_t t = 0; t < body->surface.tri.size(); ++t) {
+    bool below = true;
+    for (const int32_t v : body->surface.tri[t]) below &= body->surface.X_mm[size_t(v)].z() < -1.99;
+    if (below) body->surface.tag[t] = SurfaceTag::skin;
+  }
+  const Skin skin(body);
+  const SurfaceView v = view_of(*body);
+  ASSERT_LT(skin.nearest({0, 0, -1.9}).normal.z(), -0.9) << "the lower side is no skin";
+  EXPECT_EQ(turned_skin(v, deformed(v, [](const Vec3& X) { return Vec3(X.x(), X.y(), X.z() + 1.5); }), skin).area_mm2,
+            0);
+  const auto folded =
+      deformed(v, [](const Vec3& X) { return X.z() == 0 && X.x() > 10 ? Vec3(20 - X.x(), X.y(), 0.5) : X; });
+  EXPECT_NEAR(turned_skin(v, folded, skin).area_mm2, 10 * 40, 1);
+}
+
 TEST(Rim, IsWhereSkinMeetsWall) {
   const auto places = rim_mm(two_banks(10));
   EXPECT_EQ(places.size(), 20u);
