@@ -114,6 +114,29 @@ TEST(Lesson, ShippedOnesFitTheirScenesAndTheirScripts) {
   }
 }
 
+// Those on a face, in the scenes whose chart looks at it from the side as well: what the script cuts is what the lesson
+// asks for. A corner that is moved by 3 mm is found.
+TEST(Lesson, ThoseOnAFaceAskForWhatTheirScriptsCut) {
+  for (const std::string name : {"nose-bilobed", "nose-nasolabial", "cheek-cervicofacial", "cheek-keystone",
+                                 "forehead-o-to-z", "forehead-rotation"}) {
+    SCOPED_TRACE(name);
+    const Lesson l = open_lesson(source_dir() + "/app/lessons/" + name + ".toml");
+    const Skin skin(build_body(load_scene(source_dir() + "/app/scenes/" + l.scene + ".toml")));
+    const PlanOnSkin plan = plan_on(skin, *l.plan);
+    std::vector<Command> script;
+    for (const ScriptLine& s : test::shipped_script(name).lines) script.push_back(s.command);
+    const auto e = design_error(plan, script);
+    ASSERT_TRUE(e);
+    EXPECT_TRUE(e->missing.empty());
+    EXPECT_LT(e->corner_max_mm, 0.15);  // lines follow a curved skin within 0.1 mm
+    EXPECT_LT(e->angle_max_deg, 5);
+    EXPECT_LT(e->limb_max_percent, 2);
+    for (Command& c : script)
+      if (auto* i = std::get_if<Incise>(&c)) i->path.front() += Vec2(3, 0);
+    EXPECT_GT(design_error(plan, script)->corner_max_mm, 1);
+  }
+}
+
 TEST(Exercise, CutsAreComparedWithANamedPlanAlone) {
   const Lesson l = open_lesson(source_dir() + "/app/lessons/rhomboid.toml");
   const Skin skin(build_body(load_scene(source_dir() + "/app/scenes/" + l.scene + ".toml")));
