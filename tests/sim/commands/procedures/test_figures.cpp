@@ -132,9 +132,9 @@ TEST(Figures, KeystoneIsARingSector) {
   const std::vector<Vec2>& island = f.wounds[1];
   const Seam& over = f.seams[0];
   const Vec2 right = place(f, over.a_from), left = place(f, f.seams[1].a_to);
-  EXPECT_NEAR((right - left).norm(), 27, 1e-9);  // 9 mm by 3
-  EXPECT_NEAR(tissue_deg(f, over.a_from), 90, 3);
-  EXPECT_NEAR(tissue_deg(f, f.seams[1].a_to), 90, 3);
+  EXPECT_NEAR((right - left).norm(), 27, 1e-9);      // 9 mm by 3
+  EXPECT_NEAR(tissue_deg(f, over.a_from), 90, 3.5);  // half a chord of twelve
+  EXPECT_NEAR(tissue_deg(f, f.seams[1].a_to), 90, 3.5);
   EXPECT_NEAR((island.front() - left).norm(), 1.2 * 9, 1e-9);
   int stems = 0;
   for (const Seam& s : f.seams) {
