@@ -226,10 +226,15 @@ Lesson parse_lesson(const std::string& text, const std::string& file) {
   top.text("lesson", l.title, 200);
   top.text("goal", l.goal, 4000);
   top.text("scene", l.scene);
+  top.boolean("by_script", l.by_script);
   l.steps = texts_of(root, "steps", file), l.hints = texts_of(root, "hints", file);
   top.finish({"steps", "hints", "procedure", "bone", "tolerance", "landmarks", "step", "limit"});
-  if (!root.contains("procedure") && !root.contains("bone"))
-    throw InputError(file, 0, "has neither [procedure] nor [bone]; expected what the lesson is about");
+  if (!root.contains("procedure") && !root.contains("bone") && !l.by_script)
+    throw InputError(file, 0,
+                     "has neither [procedure] nor [bone], nor by_script = true; expected what the lesson is about");
+  if (root.contains("procedure") && l.by_script)
+    top.fail("by_script",
+             "stands beside [procedure]; expected one of them: a figure of the repertoire or a script alone");
   if (root.contains("procedure")) l.plan = procedure_of(root, file);
   if (root.contains("bone")) l.bone = bones_of(root, file);
   l.words = read_lesson_words(root, file);
@@ -242,7 +247,8 @@ Lesson parse_lesson(const std::string& text, const std::string& file) {
       continue;
     }
     if (k.of == Known::bone && !l.bone) t.fail(k.name, "is asked of bones, and there is no [bone]; expected one");
-    if (k.of == Known::skin && !l.plan) t.fail(k.name, "is asked of skin, and there is no [procedure]; expected one");
+    if (k.of == Known::skin && !l.plan && !(l.by_script && k.measure))
+      t.fail(k.name, "is asked of skin, and there is no [procedure]; expected one");
     double limit = 0;
     t.real(k.name, limit, 0, k.hi);
     l.tolerances.emplace_back(k.name, limit);

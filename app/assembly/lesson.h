@@ -11,6 +11,8 @@
 //   at_mm = [0, 0], turn_deg, mirror        where it is laid
 //   [procedure.values]  side_mm = 20        parameters that differ from the procedure's own
 //   [bone]                                  of bones: bone_lesson.h; one of the two at least
+//   by_script = true                        or neither: the plan is the lesson's script, of no figure of the repertoire;
+//                                           corners are then compared act by act (app/teaching), and not judged
 //   [tolerance]                             at most; only those that are given are judged, and pieces_wrong of bones
 //   corner_mm, angle_deg, limb_percent      of the cuts against the plan (design_error)
 //   gap_mm, suture_N, suture_peak_N, closure_N, dog_ear_mm, wound_gape_mm, step_off_mm, landmark_mm, waste_mm2
@@ -38,6 +40,7 @@ struct Lesson {
   std::string file, title, goal, scene;
   std::vector<std::string> steps, hints;
   std::optional<PlannedProcedure> plan;  // of skin
+  bool by_script = false;                // or of its script alone
   std::optional<BonePlan> bone;
   std::vector<std::pair<std::string, double>> tolerances;  // by name, in the file's order of the list above
   std::vector<Landmark> landmarks;

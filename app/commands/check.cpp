@@ -66,7 +66,8 @@ Kind recognise(const std::string& file, std::string_view text) {
   if (text.find("[[tissue]]") != std::string_view::npos && text.find("[body]") == std::string_view::npos)
     return Kind::tissues;
   if (looks_like_lesson(text) &&
-      (text.find("[procedure]") != std::string_view::npos || text.find("[[bone.piece]]") != std::string_view::npos))
+      (text.find("[procedure]") != std::string_view::npos || text.find("[[bone.piece]]") != std::string_view::npos ||
+       text.find("\nby_script") != std::string_view::npos))
     return Kind::lesson;
   if (ends(".toml")) return Kind::scene;
   if (ends(".obj")) return Kind::surface;
@@ -355,6 +356,14 @@ void check_bone_lesson(const Lesson& l) {
 void check_lesson(const Lesson& l, bool with_plan, const std::string& svg) {
   if (l.bone) return check_bone_lesson(l);
   const Skin skin(build_body(scene_of(l.file, l.scene)));
+  if (l.by_script) {
+    if (with_plan || !svg.empty())
+      throw InputError(l.file, 0,
+                       "has its script for a plan; expected no --plan and no --draw, or those of the script");
+    tell_lesson(l);
+    std::printf("plan        its script\n");
+    return tell_tolerances(l);
+  }
   const PlannedProcedure& p = *l.plan;
   const PlanOnSkin plan = plan_on(skin, p);
   tell_lesson(l);

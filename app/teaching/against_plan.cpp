@@ -182,6 +182,20 @@ std::optional<Offs> row_against(const SutureRow& want, const SutureRow& got) {
   return offs;
 }
 
+double most_apart(const std::vector<Vec3>& p, const std::vector<Vec3>& q) {
+  double far = 0;
+  for (size_t i = 0; i < p.size(); ++i) far = std::max(far, (p[i] - q[i]).norm());
+  return far;
+}
+/// Acts whose places are in space: place by place, in either direction.
+std::optional<Offs> in_space_against(std::vector<Vec3> want, const std::vector<Vec3>& got, double may_mm,
+                                     const std::string& words) {
+  if (want.size() != got.size()) return std::nullopt;
+  const double one_way = most_apart(want, got);
+  std::reverse(want.begin(), want.end());
+  return place_against(std::min(one_way, most_apart(want, got)), may_mm, 12, words);
+}
+
 Vec3 way_of(const RigidMove& by, const Vec3& at) { return isometry(by, at) * at - at; }
 
 std::optional<Offs> bone_against(const HeadCommand& want, const HeadCommand& got) {
@@ -300,6 +314,12 @@ std::optional<Offs> against(const LessonPlan& plan, const PlannedAct& planned, c
     offs = place_against(far, kBite_mm, 9, "where the stitch was planned");
   } else if (const auto* r = std::get_if<SutureRow>(&planned.command)) {
     offs = row_against(*r, std::get<SutureRow>(done));
+  } else if (const auto* k = std::get_if<CutThrough>(&planned.command)) {
+    offs = in_space_against(k->path, std::get<CutThrough>(done).path, plan.within.corner_mm, "where it was planned");
+  } else if (const auto* x = std::get_if<InSpace>(&planned.command)) {
+    const InSpace& d = std::get<InSpace>(done);
+    if (x->act.index() == d.act.index())
+      offs = in_space_against(places_of(*x), places_of(d), kBite_mm, "where it was planned");
   } else if (const auto* b = std::get_if<HeadCommand>(&planned.command)) {
     offs = bone_against(*b, std::get<HeadCommand>(done));
   } else {

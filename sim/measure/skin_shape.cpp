@@ -262,7 +262,7 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
 }
 
 TurnedSkin turned_skin(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin) {
-  constexpr double kTurned = -0.5;  // cos 120 degrees
+  constexpr double kTurned = -0.5, kSame = 0.5;  // cos 120 and 60 degrees
   TurnedSkin out;
   for (size_t t = 0; t < view.tri.size(); ++t) {
     if (view.kind[t] != FaceKind::skin) continue;
@@ -270,10 +270,9 @@ TurnedSkin turned_skin(const SurfaceView& view, std::span<const Vec3f> x_mm, con
     const Vec3 n = area_vector2(x[0], x[1], x[2]);
     if (!(n.norm() > 0)) continue;
     const auto X = rest(view, t);
-    // In a lip that has moved by its thickness, the nearest of the original surface is its other side.
-    if (n.dot(area_vector2(X[0], X[1], X[2])) >= 0) continue;
-    if (n.normalized().dot(skin.nearest((x[0] + x[1] + x[2]) / 3).normal) >= kTurned) continue;
-    const double area = 0.5 * area_vector2(X[0], X[1], X[2]).norm();
+    const Vec3 before = area_vector2(X[0], X[1], X[2]);
+    if (n.dot(before) > kSame * n.norm() * before.norm()) continue;
+    const double area = 0.5 * before.norm();
     out.area_mm2 += area;
     out.at_mm += area * (X[0] + X[1] + X[2]) / 3;
   }

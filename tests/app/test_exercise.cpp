@@ -72,6 +72,22 @@ TEST(Lesson, IsReadStrictly) {
   expect_bad(changed("[tolerance]", "[tolerance"), 10, "TOML");
 }
 
+// An operation that is no figure of the repertoire: no corners to judge, all that is measured.
+TEST(Lesson, MayHaveItsScriptForAPlan) {
+  const std::string figure = "[procedure]\nname = \"z_plasty\"\nat_mm = [1, -2]\n[procedure.values]\nlimb_mm = 18\n";
+  expect_bad(changed(figure, ""), 0, "by_script");
+  const std::string alone = changed(figure, "by_script = true\n");
+  expect_bad(alone, 7, "corner_mm");
+  std::string s = alone;
+  s.erase(s.find("corner_mm = 2\n"), 14);
+  const Lesson l = parse_lesson(s, "l.toml");
+  EXPECT_TRUE(l.by_script);
+  EXPECT_FALSE(l.plan);
+  EXPECT_EQ(l.tolerances.size(), 2u);
+  expect_bad(changed("hints = [", "by_script = true\nhints = ["), 4, "stands beside [procedure]");
+  expect_bad(changed("hints = [", "by_script = 1\nhints = ["), 4, "by_script");
+}
+
 TEST(Lesson, ShippedOnesFitTheirScenesAndTheirScripts) {
   for (const std::string name : {"rhomboid", "zplasty"}) {
     const Lesson l = open_lesson(source_dir() + "/app/lessons/" + name + ".toml");
@@ -95,6 +111,30 @@ TEST(Lesson, ShippedOnesFitTheirScenesAndTheirScripts) {
     EXPECT_NEAR(off->corner_max_mm, 3, 0.02) << name;
     EXPECT_GT(off->angle_max_deg, 3) << name;
     EXPECT_GT(off->limb_max_percent, 3) << name;
+  }
+}
+
+// Those on a face, in the scenes whose chart looks at it from the side as well: what the script cuts is what the lesson
+// asks for. A corner that is moved by 3 mm is found.
+TEST(Lesson, ThoseOnAFaceAskForWhatTheirScriptsCut) {
+  for (const std::string name : {"nose-bilobed", "nose-nasolabial", "cheek-cervicofacial", "cheek-keystone",
+                                 "forehead-o-to-z", "forehead-rotation"}) {
+    SCOPED_TRACE(name);
+    const Lesson l = open_lesson(source_dir() + "/app/lessons/" + name + ".toml");
+    const Skin skin(build_body(load_scene(source_dir() + "/app/scenes/" + l.scene + ".toml")));
+    const PlanOnSkin plan = plan_on(skin, *l.plan);
+    std::vector<Command> script;
+    for (const ScriptLine& s : test::shipped_script(name).lines) script.push_back(s.command);
+    const auto e = design_error(plan, script);
+    ASSERT_TRUE(e);
+    EXPECT_TRUE(e->missing.empty());
+    for (const Judgement& j : judge(l, lesson_values(Metrics{}, e))) {
+      if (j.name != "corner_mm" && j.name != "angle_deg" && j.name != "limb_percent") continue;
+      EXPECT_TRUE(j.met) << j.name << " " << j.value.value_or(-1);
+    }
+    for (Command& c : script)
+      if (auto* i = std::get_if<Incise>(&c)) i->path.front() += Vec2(3, 0);
+    EXPECT_GT(design_error(plan, script)->corner_max_mm, 1);
   }
 }
 

@@ -1,4 +1,4 @@
-// Flaps that slide or turn: V-Y, advancement, rotation, bilobed, O-to-Z.
+// Flaps that slide or turn: V-Y, keystone, advancement, rotation, banner, bilobed, O-to-Z.
 #include <algorithm>
 
 #include "sim/base/elementary.h"
@@ -33,6 +33,50 @@ Figure v_y(double W, double H, double advance) {
              {{1, ir}, {1, il}, {0, tr}, {0, tl}},  // the island's base to the defect's far edge
              {{1, il}, {1, ia}, {0, tl}, {0, ul}},
              {{1, ia}, {1, ir}, {0, ur}, {0, tr}}};
+  return f;
+}
+
+// Wound 0 is the outer skin's edge, wound 1 the island's, as of the V-Y.
+Figure keystone(double width, double ratio, double flap_ratio, double v_mm) {
+  // Both arcs of the defect have this radius; the lower one's centre lies above it, and the island's far side is
+  // concentric with it, so that its ends stand at right angles to the defect's edge.
+  const double length = width * ratio, R = (length * length + width * width) / (4 * width), flap = flap_ratio * width,
+               half_deg = elementary::asin(length / 2 / R) * kDeg, v_deg = v_mm / (R + flap) * kDeg;
+  const Vec2 above(0, R - width / 2), below(0, width / 2 - R);
+  const int n = 12;
+  const auto top = arc(below, R, 90 + half_deg, 90 - half_deg, n);
+  const auto inner = arc(above, R, 270 - half_deg, 270 + half_deg, n);  // the defect's lower edge, to the right
+  const auto on_far = [&](double deg) -> Vec2 { return above + (R + flap) * along(deg); };
+  const auto on_end = [&](double deg) -> Vec2 { return above + (R + flap - v_mm) * along(deg); };
+  const double left = 270 - half_deg, right = 270 + half_deg;
+  // The far side with the corners where each V begins.
+  const auto middle = arc(above, R + flap, left + v_deg, right - v_deg, n);
+
+  Figure f;
+  Walk hole;
+  for (const Vec2& p : top) hole(p);
+  hole.between(reversed(inner));
+  f.excisions = {hole.at};
+  f.incisions = {{inner.front(), on_far(left)}};
+  f.incisions[0].insert(f.incisions[0].end(), middle.begin(), middle.end());
+  f.incisions[0].insert(f.incisions[0].end(), {on_far(right), inner.back()});
+
+  Walk o;
+  const int p0 = o(top.front()), p1 = o.on(top), e1 = o(on_end(right)), q1 = o(on_far(right)), m1 = o(middle.back()),
+            m0 = o.on(reversed(middle)), q0 = o(on_far(left)), e0 = o(on_end(left));
+  Walk i;
+  const int iq0 = i(on_far(left));
+  for (const Vec2& p : middle) i(p);
+  const int iq1 = i(on_far(right)), ip1 = i(inner.back()), ip0 = i.on(reversed(inner));
+  f.wounds = {o.at, i.at};
+  f.undermined = false;  // it lives on the fat below
+  f.deeper = 2;
+  const Corner crown{1, (ip0 + ip1) / 2}, top_of{0, (p0 + p1) / 2};  // they meet first
+  f.keys = {{crown, top_of}, {{0, e0}, {0, m0}}, {{0, e1}, {0, m1}}, {{1, iq0}, {0, e0}}, {{1, iq1}, {0, e1}}};
+  f.seams = {{{1, ip1}, crown, {0, p1}, top_of},                                            // over the defect
+             {crown, {1, ip0}, top_of, {0, p0}},     {{0, e1}, {0, q1}, {0, m1}, {0, q1}},  // the stems of the Vs
+             {{0, q0}, {0, e0}, {0, q0}, {0, m0}},   {{1, iq1}, {1, ip1}, {0, e1}, {0, p1}},
+             {{1, ip0}, {1, iq0}, {0, p0}, {0, e0}}, {{1, iq0}, {1, iq1}, {0, m0}, {0, m1}}};
   return f;
 }
 
@@ -102,11 +146,34 @@ Figure bilobed(double diameter, double turn) {
   return f;
 }
 
-Figure o_to_z(double diameter, double cut_ratio) {
+Figure banner(double diameter, double turn, double tip_ratio) {
+  // In polar coordinates about the pivot P, as the bilobed flap: the defect fills -turn/2..turn/2, the flap the angle
+  // up to 3 turn/2, drawn out to a point so that its bed closes.
+  const double r = diameter / 2, d = r / elementary::sin(turn / 2 / kDeg), edge = d * elementary::cos(turn / 2 / kDeg);
+  const Vec2 P(0, 0), t1 = edge * along(turn / 2), t2 = edge * along(1.5 * turn), X = (d + tip_ratio * r) * along(turn),
+                      end = 0.45 * t2;
+  const auto cap = arc({d, 0}, r, -90 - turn / 2, 90 + turn / 2, 10);  // the defect's outer arc
+  Figure f;
+  Walk w;
+  const int p = w(P), q1 = w(t1), x = w(X), q2 = w(t2), e = w(end), o2 = w(t2), ox = w(X), o1 = w(t1);
+  const int o0 = w.on(reversed(cap));
+  f.wounds = {w.at};
+  f.excisions = {{P}};
+  for (const Vec2& v : cap) f.excisions[0].push_back(v);
+  f.incisions = {{t1, X, t2, end}};
+  f.carries = {{{0, q1}, {0, o0}}, {{0, x}, {0, (o1 + o0) / 2}}};
+  f.keys = {{{0, o2}, {0, o1}, true}, {{0, q1}, {0, o0}}, {{0, x}, {0, (o1 + o0) / 2}}, {{0, q2}, {0, o1}}};
+  const int m = (o1 + o0) / 2;
+  f.seams = {seam(o2, ox, o1, ox), seam(p, q1, p, o0), seam(q1, x, o0, m), seam(x, q2, m, o1), seam(q2, e, o2, e)};
+  return f;
+}
+
+Figure o_to_z(double diameter, double cut_ratio, double tip) {
   const double r = diameter / 2, cut = cut_ratio * diameter, big = 1.25 * diameter;  // radius of the cuts
   const double turn = cut / big * kDeg;
-  // The first cut leaves the top of the circle towards +x and bends down; the second is its image, turned half around.
-  const auto first = arc({0, r - big}, big, 90, 90 - turn, int(std::ceil(turn / 8)));
+  // The first cut leaves the top of the circle towards +x, `tip` degrees off its tangent, and bends down; the second is
+  // its image, turned half around. Along the tangent the flaps' tips would be horns in which no stitch holds.
+  const auto first = arc(Vec2(0, r) + big * along(tip - 90), big, 90 + tip, 90 + tip - turn, int(std::ceil(turn / 8)));
   const auto half = [](std::vector<Vec2> p) {
     for (Vec2& v : p) v = -v;
     return p;

@@ -5,9 +5,9 @@
 //   Figure f = p.figure(p.defaults());
 //
 // Sources: Limberg 1946 and Lister and Gibson 1972 (rhomboid), Dufourmentel 1962, Webster
-// 1978 (30 degree flap), Zitelli 1989 (bilobed), McGregor (Z-plasty), and the usual textbook
-// constructions. Where textbooks differ, the header of the function in the .cpp says what is
-// drawn. Figures lie around the origin; +x is the direction that a placement turns.
+// 1978 (30 degree flap), Zitelli 1989 (bilobed), McGregor (Z-plasty), Masson and Mendelson 1977 (banner), Behan 2003
+// (keystone), Hammond 1979 (O-to-Z), and the usual textbook constructions. Where textbooks differ, the header of the
+// function in the .cpp says what is drawn. Figures lie around the origin; +x is the direction that a placement turns.
 #include <functional>
 #include <string>
 #include <vector>

@@ -31,6 +31,10 @@ Figure four_flap_z(double limb_mm, double angle_deg);
 
 /// A triangular island, base width_mm on the defect's edge, brought forward by advance_mm into a rectangular defect.
 Figure v_y(double width_mm, double height_mm, double advance_mm);
+/// A spindle-shaped defect of width_mm and length / width `ratio`; beside it an island flap_ratio as wide, whose ends
+/// stand at right angles to the defect's edge and whose far side is concentric with it. It comes over the defect, and
+/// the skin at its two far corners closes as a V to a Y, v_mm long (Behan 2003, ANZ J Surg 73, 112).
+Figure keystone(double width_mm, double ratio, double flap_ratio, double v_mm);
 /// A square defect, a flap of its width and length_mm, and Burow's triangles of the same base at the flap's foot.
 Figure advancement(double width_mm, double length_mm, double burow_height_mm);
 /// A triangular defect of defect_deg at the centre of a circle; a flap of arc_deg of that circle turns over it.
@@ -38,8 +42,12 @@ Figure rotation(double radius_mm, double defect_deg, double arc_deg);
 /// Bilobed: a round defect with a triangle to the pivot; two lobes at turn_deg each about the pivot, the first as wide
 /// as the defect, the second drawn out to a point so that its bed closes.
 Figure bilobed(double diameter_mm, double turn_deg);
-/// A round defect and two opposite arcs, tangent to it, each cut_ratio
-/// diameters long, that let two flaps turn towards each other.
-Figure o_to_z(double diameter_mm, double cut_ratio);
+/// One lobe that turns by turn_deg into a round defect, its point tip_ratio radii of the defect beyond its middle: at 1.6
+/// its sides are as long as the half circles that they are sewn to, for what is longer piles up. The skin between pivot
+/// and defect comes away as a triangle (banner flap; as a nasolabial flap it lies along the fold).
+Figure banner(double diameter_mm, double turn_deg, double tip_ratio);
+/// A round defect and two opposite arcs, each cut_ratio diameters long, that
+/// leave it at tip_deg from its tangent and let two flaps turn towards each other.
+Figure o_to_z(double diameter_mm, double cut_ratio, double tip_deg);
 
 }  // namespace limberg::figures

@@ -92,6 +92,9 @@ class Labels {
       at.x() = std::clamp(at.x(), kEdge, width_ - kEdge);
       if (!taken()) break;
     }
+    // At the paper's side there is no farther out: above or below what is there.
+    const Vec2 side = at;
+    for (int k = 1; k < 12 && taken(); ++k) at = side + Vec2(0, (k % 2 ? kHigh : -kHigh) * ((k + 1) / 2));
     taken_.push_back(at);
     return at;
   }

@@ -212,24 +212,24 @@ TEST(TurnedSkin, AFlapOnItsFaceIsSeen) {
   EXPECT_EQ(turned_skin(v, upright, skin).area_mm2, 0);
 }
 
-// A lip is skin on both sides. Moved by its thickness, either side lies nearest to where the other was, and none is turned.
-TEST(TurnedSkin, ALipThatMovesByItsThicknessIsNone) {
-  const auto body = measured_block({60, 60, 2}, 1);
-  const auto side = [&](size_t t) {
-    const Tri& v = body->surface.tri[t];
-    return std::array<double, 3>{body->surface.X_mm[size_t(v[0])].z(), body->surface.X_mm[size_t(v[1])].z(),
-                                 body->surface.X_mm[size_t(v[2])].z()};
-  };
-  for (size_t t = 0; t < body->surface.tri.size(); ++t)
-    if (const auto z = side(t); z[0] < -1.9 && z[1] < -1.9 && z[2] < -1.9) body->surface.tag[t] = SurfaceTag::skin;
+// A plate with skin on both sides, as an ear, is drawn aside by more than half of its thickness: the nearest original
+// skin of one side is the other's then, and nothing lies on its face. Folded back it does.
+TEST(TurnedSkin, AThinFoldThatMovesLiesNotOnItsFace) {
+  auto body = measured_block({40, 40, 10}, 1);
+  for (Vec3& X : body->surface.X_mm) X.z() *= 0.2;  // 2 mm
+  for (size_t t = 0; t < body->surface.tri.size(); ++t) {
+    bool below = true;
+    for (const int32_t v : body->surface.tri[t]) below &= body->surface.X_mm[size_t(v)].z() < -1.99;
+    if (below) body->surface.tag[t] = SurfaceTag::skin;
+  }
   const Skin skin(body);
   const SurfaceView v = view_of(*body);
-  for (double by : {-2.0, 2.0})
-    EXPECT_EQ(turned_skin(v, deformed(v, [=](const Vec3& X) { return Vec3(X + Vec3(0, 0, by)); }), skin).area_mm2, 0)
-        << by;
-  // Turned over about its middle it lies on its face, both sides of it.
-  const auto over = deformed(v, [](const Vec3& X) { return Vec3(-X.x(), X.y(), -2 - X.z() + 2.5); });
-  EXPECT_GT(turned_skin(v, over, skin).area_mm2, 0);
+  ASSERT_LT(skin.nearest({0, 0, -1.9}).normal.z(), -0.9) << "the lower side is no skin";
+  EXPECT_EQ(turned_skin(v, deformed(v, [](const Vec3& X) { return Vec3(X.x(), X.y(), X.z() + 1.5); }), skin).area_mm2,
+            0);
+  const auto folded =
+      deformed(v, [](const Vec3& X) { return X.z() == 0 && X.x() > 10 ? Vec3(20 - X.x(), X.y(), 0.5) : X; });
+  EXPECT_NEAR(turned_skin(v, folded, skin).area_mm2, 10 * 40, 1);
 }
 
 TEST(Rim, IsWhereSkinMeetsWall) {

@@ -116,6 +116,48 @@ TEST(Figures, WebstersDonorEarIsItsTip) {
   EXPECT_NEAR(q[q.size() - 2], 30, 1e-9);
 }
 
+// Cuts along the tangent would leave tips without an angle, in which no stitch holds. A circle of 20 chords and arcs of
+// 8 degrees a piece take half of their turns from it.
+TEST(Figures, OToZHasTipsOfTheirAngle) {
+  for (const double tip : {15., 25., 40.}) {
+    const Figure f = figure("o_to_z", {"tip_deg=" + std::to_string(tip)});
+    ASSERT_EQ(f.carries.size(), 2u);
+    for (const Carry& c : f.carries) EXPECT_NEAR(tissue_deg(f, c.tip), tip + 9 - 4, 1.5) << tip;
+  }
+}
+
+// Behan 2003: the island's ends at right angles to the defect's edge, its sides concentric, and each V of equal limbs.
+TEST(Figures, KeystoneIsARingSector) {
+  const Figure f = figure("keystone");
+  const std::vector<Vec2>& island = f.wounds[1];
+  const Seam& over = f.seams[0];
+  const Vec2 right = place(f, over.a_from), left = place(f, f.seams[1].a_to);
+  EXPECT_NEAR((right - left).norm(), 27, 1e-9);      // 9 mm by 3
+  EXPECT_NEAR(tissue_deg(f, over.a_from), 90, 3.5);  // half a chord of twelve
+  EXPECT_NEAR(tissue_deg(f, f.seams[1].a_to), 90, 3.5);
+  EXPECT_NEAR((island.front() - left).norm(), 1.2 * 9, 1e-9);
+  int stems = 0;
+  for (const Seam& s : f.seams) {
+    const double a = path_length(bank(f, s.a_from, s.a_to, true)), b = path_length(bank(f, s.b_from, s.b_to, false));
+    if (s.a_from.wound != s.b_from.wound) continue;
+    ++stems;
+    EXPECT_NEAR(a, 2.5, 0.05);
+    EXPECT_NEAR(b, 2.5, 0.05);
+  }
+  EXPECT_EQ(stems, 2);
+}
+
+// The banner's bed closes with equal sides, and its two sides lie at its angle from the defect's.
+TEST(Figures, BannerTurnsByItsAngle) {
+  const Figure f = figure("banner", {"turn_deg=70"});
+  const Seam& donor = f.seams[0];
+  EXPECT_NEAR(path_length(bank(f, donor.a_from, donor.a_to, true)),
+              path_length(bank(f, donor.b_from, donor.b_to, false)), 1e-9);
+  const Vec2 near = place(f, f.carries[0].tip), to = place(f, f.carries[0].to);
+  EXPECT_NEAR(std::atan2(near.y(), near.x()) - std::atan2(to.y(), to.x()), 70 / kDeg, 1e-9);
+  EXPECT_NEAR(near.norm(), to.norm(), 1e-9);
+}
+
 // The flap goes where the rhomboid's does: sides of equal length on equal sides.
 TEST(Figures, SeamsOfTranspositionFlapsHaveEqualBanks) {
   for (const char* name : {"rhomboid", "dufourmentel", "webster", "z_plasty", "multiple_z", "four_flap_z"})
