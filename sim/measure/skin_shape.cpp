@@ -272,6 +272,7 @@ TurnedSkin turned_skin(const SurfaceView& view, std::span<const Vec3f> x_mm, con
     const auto X = rest(view, t);
     const Vec3 before = area_vector2(X[0], X[1], X[2]);
     if (n.dot(before) > kSame * n.norm() * before.norm()) continue;
+    if (n.normalized().dot(skin.nearest((x[0] + x[1] + x[2]) / 3).normal) >= kTurned) continue;
     const double area = 0.5 * before.norm();
     out.area_mm2 += area;
     out.at_mm += area * (X[0] + X[1] + X[2]) / 3;
