@@ -10,7 +10,7 @@ namespace limberg {
 
 namespace {
 
-constexpr double kColumn_mm = 1;  // of the grid on the chart in which what lies over what is looked up
+constexpr double kColumn_mm = 0.5;  // of the grid on the chart in which what lies over what is looked up
 
 using Column = int64_t;
 Column column_of(const ChartPoint& p) {

@@ -25,10 +25,12 @@ std::optional<size_t> DeskHistory::draw(const ActHistory& acts, const FrameRect&
     return wanted;
   }
   int standing = int(acts.standing());
+  const std::string words = standing == n ? fmt::format("all {} stand", n) : fmt::format("{} of {} stand", standing, n);
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextUnformatted(words.c_str());
+  ImGui::SameLine(110);
   ImGui::PushItemWidth(-1);
-  const std::string words = standing == n ? fmt::format("all {} stand", n) : fmt::format("%d of {} stand", n);
-  if (ImGui::SliderInt("##standing", &standing, 0, n, words.c_str(), ImGuiSliderFlags_AlwaysClamp))
-    wanted = size_t(standing);
+  if (ImGui::SliderInt("##standing", &standing, 0, n, "", ImGuiSliderFlags_AlwaysClamp)) wanted = size_t(standing);
   ImGui::PopItemWidth();
   tip("Undo to the left, redo to the right. Ctrl+Z and Ctrl+Y go by one act.");
   ImGui::BeginChild("acts", {0, 0}, false, ImGuiWindowFlags_HorizontalScrollbar);

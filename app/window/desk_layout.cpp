@@ -14,7 +14,7 @@ float desk_scale(int width, int height, int letters_percent) {
 }
 
 DeskLayout desk_layout(float w, float h, bool history_open) {
-  constexpr float kMenu = 24, kHistory = 128;
+  constexpr float kMenu = 22, kHistory = 128;
   DeskLayout l;
   l.narrow = w < 1000 || h < 640;
   const float tools = l.narrow ? 160 : 172, patient = w < 1000 ? 214 : 268, lanes = l.narrow ? 34 : 84;

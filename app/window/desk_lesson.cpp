@@ -44,7 +44,13 @@ void DeskLesson::steps(const Coach& c, const char* title, float height, bool sho
   }
   ImGui::EndChild();
   if (c.mode() == LessonMode::examination) return;
-  const float half = 0.5f * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
+  // Two buttons beside one another where their words have room.
+  const float whole = ImGui::GetContentRegionAvail().x, part = 0.5f * (whole - ImGui::GetStyle().ItemSpacing.x);
+  const bool pairs = ImGui::CalcTextSize("... from the plan").x + 10 < part;
+  const float half = pairs ? part : whole;
+  const auto beside = [&] {
+    if (pairs) ImGui::SameLine();
+  };
   if (showing) {
     ImGui::TextColored(ink::shown(), "being shown ...");
     ImGui::Dummy({0, ImGui::GetFrameHeight() - ImGui::GetTextLineHeight() - ImGui::GetStyle().ItemSpacing.y});
@@ -52,14 +58,14 @@ void DeskLesson::steps(const Coach& c, const char* title, float height, bool sho
     const int undos = says.undos_to_plan;
     if (ImGui::Button("Show me   N", {undos > 0 ? half : -1, 0})) next = true;
     if (undos > 0) {
-      ImGui::SameLine();
+      beside();
       if (ImGui::Button("... from the plan", {half, 0})) clean = true;
       if (ImGui::IsItemHovered())
         ImGui::SetTooltip("takes back what is off (%d %s), then shows", undos, undos == 1 ? "act" : "acts");
     }
   }
   if (ImGui::Button("How it went   J", {half, 0})) summary_open = !summary_open;
-  ImGui::SameLine();
+  beside();
   if (ImGui::Button("Try again", {half, 0}) && !showing) again = true;
 }
 

@@ -3,6 +3,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "app/window/desk.h"
 #include "app/window/desk_look.h"
@@ -41,7 +42,9 @@ void Desk::legend(const DeskReading& r, const FrameRect& stage) {
   if (r.field->above) d.AddTriangleFilled({x0, y0 - 3}, {x1, y0 - 3}, {0.5f * (x0 + x1), y0 - 12}, at(1));
   if (r.field->below)
     d.AddTriangleFilled({x0, y0 + bar + 4}, {x1, y0 + bar + 4}, {0.5f * (x0 + x1), y0 + bar + 13}, at(0));
-  for (int k = 0; k <= r.field->intervals; ++k) {
+  constexpr float kApart = 14;  // so high is a number
+  const int every = std::max(1, int(std::ceil(kApart * float(std::max(1, r.field->intervals)) / bar)));
+  for (int k = 0; k <= r.field->intervals; k += every) {
     const double v = r.field->lo + k * step;
     const float y = y0 + bar * float(1 - (v - r.field->lo) / range);
     d.AddLine({x1, y}, {x1 + 5, y}, IM_COL32(240, 245, 245, 255));
