@@ -18,10 +18,10 @@ class CommandBuilder {
       : path_(settings), progressive_(progressive) {}
 
   /// The command that this event completes, if any:
-  ///   stroke_end -> Incise (scissors too), Undermine, Excise or Mark; the second stroke of a pair -> SutureRow (turned when it was
-  ///   plainly drawn the other way); hook_set -> SetHook; hook_leave -> MoveHook to where it was left, seconds 0;
-  ///   hook_release ->
-  ///   ReleaseHook; suture_b -> Suture, or SutureCorner where suture_tip came before; suture_cut -> CutSuture; undo -> Undo; redo -> Redo; stage -> Stage.
+  ///   stroke_end -> Incise (scissors too), Undermine, Excise or Mark; the second stroke of a pair -> SutureRow (turned
+  ///   when it was plainly drawn the other way); hook_set -> SetHook; hook_leave -> MoveHook to where it was left,
+  ///   seconds 0; hook_release -> ReleaseHook; suture_b -> Suture, or SutureCorner where suture_tip came before;
+  ///   suture_cut -> CutSuture; undo -> Undo; redo -> Redo; stage -> Stage.
   ///   Of the saw stroke_end -> CutBone (bone_contour.h); bone_grab -> GrabFragment; bone_drag -> DragFragment to where
   ///   it was taken,
   ///   seconds 0; bone_release -> LetGo. command -> that command.

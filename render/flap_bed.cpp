@@ -73,8 +73,8 @@ TissueMesh without_flaps(const TissueMesh& mesh, const SurfaceTopology& topology
     const double area = turn_of(p);
     if (view.kind[t] == FaceKind::wall) {
       const Tri& c = view.tri[t];
-      const Vec3 normal = (view.X_mm[size_t(c[1])] - view.X_mm[size_t(c[0])])
-                              .cross(view.X_mm[size_t(c[2])] - view.X_mm[size_t(c[0])]);
+      const Vec3 normal =
+          (view.X_mm[size_t(c[1])] - view.X_mm[size_t(c[0])]).cross(view.X_mm[size_t(c[2])] - view.X_mm[size_t(c[0])]);
       const double whole = normal.norm();
       if (area * skin > 0 && std::abs(area) > 0.5 * whole) return false;  // a bed
       // A wall is of the tissue behind it.

@@ -343,7 +343,8 @@ void add_tool(PropMesh& mesh, const ToolPose& tool) {
       break;
     case ToolPose::Kind::swab:  // a folded swab in the jaws of a clamp
       add_ellipsoid(mesh, tool.tip_mm + 5 * s, 5 * s, 6 * wide, 3 * side, {{0.78f, 0.76f, 0.70f}, -1, id}, 10);
-      for (const float jaw : {-1.0f, 1.0f}) arm(jaw * 1.2f, 5, jaw * 0.8f, 34, 1.1f), arm(jaw * 0.8f, 34, jaw * 7, 118, 1.3f);
+      for (const float jaw : {-1.0f, 1.0f})
+        arm(jaw * 1.2f, 5, jaw * 0.8f, 34, 1.1f), arm(jaw * 0.8f, 34, jaw * 7, 118, 1.3f);
       for (const float jaw : {-1.0f, 1.0f}) ring(jaw * 10, 127);
       break;
     case ToolPose::Kind::saw:  // a reciprocating blade and its handpiece

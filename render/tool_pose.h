@@ -27,7 +27,7 @@ struct ToolPose {
   Vec3f shaft = Vec3f::UnitZ();  // unit, from the tip towards the hand
   int bites = 0;                 // of a stitch that is begun: the thread runs through the last of them to the needle
   std::array<Vec3f, 2> bite_mm{Vec3f::Zero(), Vec3f::Zero()};
-  bool closed = false;  // scissors
+  bool closed = false;           // scissors
   GlovePose glove, other_glove;  // other hands
 };
 

@@ -193,8 +193,9 @@ void DeskLesson::summary(const Coach& c, int width, int height, bool& open, std:
     for (size_t i = 0; i < now.better.size(); ++i) ImGui::TextWrapped("%d  %s", int(i) + 1, now.better[i].c_str());
   }
   ImGui::Spacing();
-  ImGui::TextColored(ink::quiet(),
-                     "What the program has shown is not judged. The whole verdict comes when the session ends.");
+  ImGui::PushStyleColor(ImGuiCol_Text, ink::quiet());
+  ImGui::TextWrapped("What the program has shown is not judged. The whole verdict comes when the session ends.");
+  ImGui::PopStyleColor();
   ImGui::End();
 }
 

@@ -330,7 +330,7 @@ TEST_F(DeskTest, ASilentOrUncalibratedDeviceIsSaid) {
   };
   const auto amber = [](const Image& image) {  // letters of a warning
     int n = 0;
-    for (int y = 500; y < 720; ++y)
+    for (int y = 300; y < 720; ++y)
       for (int x = 0; x < 168; ++x) {
         const Rgb8 c = image.at(x, y);
         n += c.r > 200 && c.g > 120 && c.g < 200 && c.b < 130;

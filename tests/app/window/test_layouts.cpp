@@ -190,6 +190,35 @@ TEST_F(Lessons, TheTourIsShownOnceAndWhatWasChosenIsRemembered) {
   EXPECT_FALSE(again.feed.seen.reading().typing) << "the tour is not shown twice";
 }
 
+TEST_F(Lessons, TheToolThatIsSeenIsTheToolInUse) {
+  Window w;
+  w.key('S'), w.key('S');  // one quality, whatever the machine's speed
+  ToolState hand;
+  hand.valid = 1, hand.tip_mm[0] = -2, hand.tip_mm[1] = -22, hand.tip_mm[2] = 2;
+  hand.shaft[0] = 0.45, hand.shaft[1] = -0.5, hand.shaft[2] = 0.74;
+  const auto seen_with = [&](Tool tool, int bites) {
+    hand.tool = int32_t(tool), hand.bites = bites;
+    hand.bite_mm[0][0] = -12, hand.bite_mm[0][1] = -16, hand.bite_mm[0][2] = 0;
+    w.feed.showing = true;  // a hand that is not the mouse's
+    for (int i = 0; i < 3; ++i) w.frames->wants_frame(), w.frames->frame(w.s, hand);
+    w.shoot("tool-" + std::to_string(int(tool)) + (bites > 0 ? "-thread" : ""));
+    return w.frames->picture();
+  };
+  const auto apart = [](const Image& a, const Image& b) {  // of the patient alone
+    int n = 0;
+    for (int y = 120; y < 560; ++y)
+      for (int x = 180; x < 1000; ++x) n += !(a.at(x, y) == b.at(x, y));
+    return n;
+  };
+  std::vector<Image> seen;
+  for (const Tool tool : {Tool::scalpel, Tool::undermine, Tool::hook, Tool::suture, Tool::scissors, Tool::marker,
+                          Tool::swab, Tool::none}) {
+    seen.push_back(seen_with(tool, 0));
+    for (size_t k = 0; k + 1 < seen.size(); ++k) EXPECT_GT(apart(seen[k], seen.back()), 300) << int(tool) << " " << k;
+  }
+  EXPECT_GT(apart(seen[3], seen_with(Tool::suture_corner, 1)), 60) << "the thread of a stitch that is begun";
+}
+
 TEST_F(Lessons, KeysAloneLeadTheToolAndPressIt) {
   Window w;
   WindowEvent e;
