@@ -151,7 +151,7 @@ void Desk::tools(const DeskReading& r, const FrameRect& at) {
   ImGui::Separator();
   for (const DeskTool& t : kDeskTools)
     if (offered(t.tool)) tool_row(t, r);
-  settings(r.hand_tool.value_or(state.tool));
+  if (r.hand_tool.value_or(state.tool) == state.tool) settings(state.tool);  // another hand's are its own
   ImGui::Spacing();
   const float half = half_width();
   button("Undo", half, state.undo, "Ctrl+Z. U shows all acts.");
