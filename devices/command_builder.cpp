@@ -56,7 +56,7 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
   const Vec3 rest(e.rest_mm[0], e.rest_mm[1], e.rest_mm[2]), world(e.world_mm[0], e.world_mm[1], e.world_mm[2]);
   const Tool tool = Tool(e.tool);
   // Anything but a second stroke along the other edge gives a begun row up.
-  const bool of_a_row = tool == Tool::suture_row && e.kind <= ToolEvent::stroke_cancel;
+  const bool of_a_row = sews_along(tool) && e.kind <= ToolEvent::stroke_cancel;
   if (have_row_a_ && !of_a_row &&
       (e.kind == ToolEvent::stroke_begin || e.kind == ToolEvent::undo || e.kind == ToolEvent::redo)) {
     have_row_a_ = false;
@@ -90,6 +90,8 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
       stroke_.clear();
       if (in_pieces_ && drawn.empty()) return {};  // it was stopped
       if (in_pieces_) return finish_drawing(e, drawn);
+      if (tool == Tool::marker || tool == Tool::swab)
+        return Mark{drawn.size() > 1 ? simplify_path(drawn, path_) : drawn, tool == Tool::swab};
       const bool outline = tool == Tool::undermine || tool == Tool::excise;
       std::vector<ChartPoint> path = outline ? simplify_outline(drawn, path_) : simplify_path(drawn, path_);
       if (path.size() < (outline ? 3u : 2u) || path_length(path) < path_.min_edge_mm) {
@@ -99,7 +101,8 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
       if (tool == Tool::excise) return Excise{std::move(path), e.depth_mm};
       if (tool == Tool::undermine) return Undermine{std::move(path), e.depth_mm};
       if (tool == Tool::scalpel) return Incise{std::move(path), e.depth_mm, e.angle_deg};
-      if (tool != Tool::suture_row) return {};
+      if (tool == Tool::scissors) return Incise{std::move(path), e.depth_mm, 90};
+      if (!sews_along(tool)) return {};
       if (!have_row_a_) {
         row_a_ = std::move(path);
         row_a_ends_ = {stroke_begin_, end};
@@ -112,7 +115,7 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
       const double same = (row_a_ends_[0] - stroke_begin_).norm() + (row_a_ends_[1] - end).norm();
       const double crossed = (row_a_ends_[0] - end).norm() + (row_a_ends_[1] - stroke_begin_).norm();
       if (crossed < 0.5 * same) std::reverse(path.begin(), path.end());
-      return SutureRow{std::move(row_a_), std::move(path), e.spacing_mm};
+      return SutureRow{std::move(row_a_), std::move(path), e.spacing_mm, 0, tool == Tool::suture_running};
     }
     case ToolEvent::hook_set:
       return SetHook{e.id, here};
@@ -122,7 +125,7 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
       return ReleaseHook{e.id};
     case ToolEvent::suture_a:
       suture_a_ = here;
-      have_suture_a_ = true;
+      have_suture_a_ = true, have_tip_ = false;
       return {};
     case ToolEvent::suture_cancel:
       have_suture_a_ = false;
@@ -133,7 +136,14 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
         return {};
       }
       have_suture_a_ = false;
-      return Suture{suture_a_, here};
+      if (tool == Tool::suture_corner) {
+        if (!have_tip_) return ++dropped_, std::nullopt;
+        return SutureCorner{suture_tip_, suture_a_, here, e.depth_mm};
+      }
+      return Suture{suture_a_, here, tool == Tool::suture_buried ? e.depth_mm : 0};
+    case ToolEvent::suture_tip:
+      suture_tip_ = here, have_tip_ = have_suture_a_;
+      return {};
     case ToolEvent::suture_cut:
       return CutSuture{{0, here}};
     case ToolEvent::bone_grab:

@@ -18,10 +18,10 @@ class CommandBuilder {
       : path_(settings), progressive_(progressive) {}
 
   /// The command that this event completes, if any:
-  ///   stroke_end -> Incise, Undermine or Excise; the second stroke of a pair -> SutureRow (turned when it was
-  ///   plainly drawn the other way); hook_set -> SetHook; hook_leave -> MoveHook to where it was left, seconds 0;
-  ///   hook_release ->
-  ///   ReleaseHook; suture_b -> Suture; suture_cut -> CutSuture; undo -> Undo; redo -> Redo; stage -> Stage.
+  ///   stroke_end -> Incise (scissors too), Undermine, Excise or Mark; the second stroke of a pair -> SutureRow (turned
+  ///   when it was plainly drawn the other way); hook_set -> SetHook; hook_leave -> MoveHook to where it was left,
+  ///   seconds 0; hook_release -> ReleaseHook; suture_b -> Suture, or SutureCorner where suture_tip came before;
+  ///   suture_cut -> CutSuture; undo -> Undo; redo -> Redo; stage -> Stage.
   ///   Of the saw stroke_end -> CutBone (bone_contour.h); bone_grab -> GrabFragment; bone_drag -> DragFragment to where
   ///   it was taken,
   ///   seconds 0; bone_release -> LetGo. command -> that command.
@@ -48,7 +48,8 @@ class CommandBuilder {
   Vec3 stroke_begin_ = Vec3::Zero();  // in the world, as are the ends of row a
   std::array<Vec3, 2> row_a_ends_{Vec3::Zero(), Vec3::Zero()};
   bool have_row_a_ = false, have_suture_a_ = false;
-  ChartPoint suture_a_{0, 0};
+  bool have_tip_ = false;
+  ChartPoint suture_a_{0, 0}, suture_tip_{0, 0};
   int dropped_ = 0;
 };
 

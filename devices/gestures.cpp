@@ -18,7 +18,8 @@ constexpr double kJumpPerMm = 3;  // ... and by this factor; further is another 
 constexpr double kTicksPerMs = 1;
 
 bool draws(Tool t) {
-  return t == Tool::scalpel || t == Tool::undermine || t == Tool::excise || t == Tool::suture_row || t == Tool::saw;
+  return t == Tool::scalpel || t == Tool::undermine || t == Tool::excise || sews_along(t) || t == Tool::saw ||
+         t == Tool::marker || t == Tool::swab;
 }
 
 }  // namespace
@@ -64,8 +65,8 @@ void Gestures::find_touch(int64_t tick, const Pose& pose, const Snapshot& s) {
   const bool another = index().another(s);
   if (another) {
     touch_.triangle = -1;
-    if (doing_ == Doing::stroke && tool_ == Tool::suture_row) edge_.found_again(index_, s);
-    if (doing_ == Doing::suture) suture_a_ = index_.closest(s, suture_a_.x_mm, -1);
+    if (doing_ == Doing::stroke && sews_along(tool_)) edge_.found_again(index_, s);
+    for (int i = 0; i < state_.bites; ++i) bite_[size_t(i)] = index_.closest(s, bite_[size_t(i)].x_mm, -1);
   }
   const bool near = touch_.triangle >= 0 && touch_.distance_mm < kNearMm;
   const int32_t hint = near ? touch_.triangle : -1;
@@ -186,33 +187,121 @@ void Gestures::old_control(const ControlSample& c, int64_t tick, const Snapshot&
   }
 }
 
+/// A hook asked for by number is that hook, taken if it stands here and set if it stands nowhere; without a number the
+/// nearest handle within reach is taken.
+void Gestures::press_hook(int64_t tick, const Pose& pose, const Snapshot& s, EventSink& out) {
+  const HookState* take = nullptr;
+  bool stands = false;
+  double best = g_.handle_reach_mm;
+  for (const HookState& h : s.hooks) {
+    stands |= h.id == asked_hook_;
+    next_hook_ = std::max(next_hook_, h.id + 1);
+    const double d = (h.handle_mm.cast<double>() - pose.tip_mm).norm();
+    if ((asked_hook_ == 0 || h.id == asked_hook_) && d <= best) best = d, take = &h;
+  }
+  ToolEvent e = event(take ? ToolEvent::hook_take : ToolEvent::hook_set, tick, s);
+  if (!take && (!on_ground() || stands)) {
+    miss(stands ? MissedPress::hook_stands : MissedPress::press, tick, out);
+    return;
+  }
+  e.id = take ? take->id : asked_hook_ > 0 ? asked_hook_ : next_hook_;
+  next_hook_ = std::max(next_hook_, e.id + 1);
+  for (int i = 0; i < 3; ++i) e.world_mm[i] = pose.tip_mm[i];
+  state_.held_hook = e.id;
+  doing_ = Doing::hold_hook;
+  emit(e, out);
+}
+
+/// The hook that is nearest, at its handle or where it holds the skin; of one asked for by number that one.
+void Gestures::take_hook_out(int64_t tick, const Pose& pose, const Snapshot& s, EventSink& out) {
+  const HookState* take = nullptr;
+  double best = g_.handle_reach_mm;
+  for (const HookState& h : s.hooks)
+    for (const Vec3f* at : {&h.handle_mm, &h.at_mm})
+      if (asked_hook_ > 0 && h.id != asked_hook_)
+        continue;
+      else if (const double d = (at->cast<double>() - pose.tip_mm).norm(); d <= best)
+        best = d, take = &h;
+  if (!take) return miss(MissedPress::no_hook, tick, out);
+  ToolEvent e = event(ToolEvent::hook_release, tick, s);
+  e.id = take->id;
+  emit(e, out);
+}
+
+bool Gestures::at_an_edge(const Snapshot& s) const {
+  const SurfaceView& view = s.topology->view;
+  for (size_t t = 0; t < view.rim.size(); ++t)
+    for (size_t k = 0; view.rim[t] != 0 && k < 3; ++k) {
+      if (!(view.rim[t] >> k & 1)) continue;
+      const Vec3 a = s.x_mm[size_t(view.tri[t][k])].cast<double>(),
+                 b = s.x_mm[size_t(view.tri[t][(k + 1) % 3])].cast<double>(), ab = b - a;
+      const double along = std::clamp((touch_.x_mm - a).dot(ab) / std::max(ab.squaredNorm(), 1e-12), 0.0, 1.0);
+      if ((a + along * ab - touch_.x_mm).norm() <= g_.edge_mm) return true;
+    }
+  return false;
+}
+
+void Gestures::press_scissors(int64_t tick, const Snapshot& s, EventSink& out) {
+  for (const SutureState& k : s.sutures)
+    for (const Vec3f* at : {&k.a_mm, &k.b_mm})
+      if ((at->cast<double>() - touch_.x_mm).norm() <= g_.stitch_mm)
+        return emit(event(ToolEvent::suture_cut, tick, s), out);
+  if (!at_an_edge(s)) return miss(MissedPress::no_edge, tick, out);
+  begin_stroke(tick, s, out);
+}
+
+void Gestures::begin_stroke(int64_t tick, const Snapshot& s, EventSink& out) {
+  doing_ = Doing::stroke;
+  last_stroke_ = touch_;
+  angle_sum_deg_ = angle_weight_mm_ = 0;
+  emit(event(ToolEvent::stroke_begin, tick, s), out);
+}
+
+/// The needle goes in, for the first or, of a corner's stitch, for the third time.
+void Gestures::bite(const Snapshot& s, EventSink& out, int64_t tick) {
+  if (corner_waits_) {
+    corner_waits_ = false, state_.bites = 0;
+    const SkinTouch apart = index_.closest_apart(s, meant_tip(), bite_[1], g_.apart_mm);
+    if (apart.triangle >= 0) touch_ = apart;
+    return emit(event(ToolEvent::suture_b, tick, s), out);
+  }
+  doing_ = Doing::suture;
+  bite_[0] = touch_, state_.bites = 1;
+  emit(event(ToolEvent::suture_a, tick, s), out);
+}
+
+/// Let go: across the wound, or in the tip of a flap.
+void Gestures::second_bite(int64_t tick, const Snapshot& s, EventSink& out) {
+  state_.bites = 0;
+  if (touch_.triangle < 0 || touch_.distance_mm > g_.lift_mm) {
+    miss(MissedPress::second_bite, tick, out);
+    return emit(event(ToolEvent::suture_cancel, tick, s), out);
+  }
+  if (const SkinTouch apart = index_.closest_apart(s, meant_tip(), bite_[0], g_.apart_mm); apart.triangle >= 0)
+    touch_ = apart;
+  else if ((touch_.x_mm - bite_[0].x_mm).norm() < SurfaceIndex::kSheetRadius_mm)
+    miss(MissedPress::same_edge, tick, out);
+  if (tool_ == Tool::suture_corner) {
+    bite_[1] = touch_, state_.bites = 2, corner_waits_ = true;
+    return emit(event(ToolEvent::suture_tip, tick, s), out);
+  }
+  emit(event(ToolEvent::suture_b, tick, s), out);
+}
+
+/// Where the skin has taken them since.
+void Gestures::show_bites(const Snapshot& s) {
+  for (int i = 0; i < state_.bites; ++i) {
+    SkinTouch& b = bite_[size_t(i)];
+    if (b.triangle >= 0) b = touch_at(s, b.triangle, b.bary, 0);
+    for (int k = 0; k < 3; ++k) state_.bite_mm[i][k] = b.x_mm[k];
+  }
+}
+
 void Gestures::press(int64_t tick, const Pose& pose, const Snapshot& s, EventSink& out) {
-  const bool on_skin = touch_.triangle >= 0 && touch_.distance_mm <= g_.reach_mm;
-  if (tool_ == Tool::hook) {
-    // A hook asked for by number is that hook, taken if it stands here and set if it stands nowhere; without a number
-    // the nearest handle within reach is taken.
-    const HookState* take = nullptr;
-    bool stands = false;
-    double best = g_.handle_reach_mm;
-    for (const HookState& h : s.hooks) {
-      stands |= h.id == asked_hook_;
-      next_hook_ = std::max(next_hook_, h.id + 1);
-      const double d = (h.handle_mm.cast<double>() - pose.tip_mm).norm();
-      if ((asked_hook_ == 0 || h.id == asked_hook_) && d <= best) best = d, take = &h;
-    }
-    ToolEvent e = event(take ? ToolEvent::hook_take : ToolEvent::hook_set, tick, s);
-    if (!take && (!on_skin || stands)) {
-      miss(stands ? MissedPress::hook_stands : MissedPress::press, tick, out);
-      return;
-    }
-    e.id = take ? take->id : asked_hook_ > 0 ? asked_hook_ : next_hook_;
-    next_hook_ = std::max(next_hook_, e.id + 1);
-    for (int i = 0; i < 3; ++i) e.world_mm[i] = pose.tip_mm[i];
-    state_.held_hook = e.id;
-    doing_ = Doing::hold_hook;
-    emit(e, out);
-  } else if (tool_ != Tool::none && !on_skin) {
-    miss(MissedPress::press, tick, out);
+  if (tool_ == Tool::hook) return press_hook(tick, pose, s, out);
+  if (tool_ == Tool::hook_out) return take_hook_out(tick, pose, s, out);
+  if (tool_ != Tool::none && !on_ground()) {
+    if (tool_ != Tool::swab) miss(MissedPress::press, tick, out);  // a swab is as often pressed into the wound
   } else if (tool_ == Tool::grab) {
     ToolEvent e = event(ToolEvent::bone_grab, tick, s);
     e.id = ++bone_grabs_;
@@ -221,21 +310,15 @@ void Gestures::press(int64_t tick, const Pose& pose, const Snapshot& s, EventSin
     doing_ = Doing::carry;
     emit(e, out);
   } else if (tool_ == Tool::scissors) {
-    emit(event(ToolEvent::suture_cut, tick, s), out);
-  } else if (tool_ == Tool::suture) {
-    doing_ = Doing::suture;
-    suture_a_ = touch_;
-    emit(event(ToolEvent::suture_a, tick, s), out);
-  } else if (draws(tool_)) {
+    press_scissors(tick, s, out);
+  } else if (sews_bites(tool_)) {
+    bite(s, out, tick);
+  } else if (sews_along(tool_)) {  // told when it is known on which skin it was drawn
     doing_ = Doing::stroke;
-    last_stroke_ = touch_;
-    angle_sum_deg_ = angle_weight_mm_ = 0;
-    if (tool_ == Tool::suture_row) {  // told when it is known on which skin it was drawn
-      edge_.begin(index_, s, meant_tip());
-      edge_.note(pose.tip_mm, 0);
-      return;
-    }
-    emit(event(ToolEvent::stroke_begin, tick, s), out);
+    edge_.begin(index_, s, meant_tip());
+    edge_.note(pose.tip_mm, 0);
+  } else if (draws(tool_)) {
+    begin_stroke(tick, s, out);
   }
 }
 
@@ -261,7 +344,7 @@ double Gestures::blade_angle_deg() const {
 void Gestures::stroke_on(int64_t tick, const Pose& pose, const Snapshot& s, EventSink& out) {
   if (touch_.triangle < 0) return;
   if (touch_.distance_mm > g_.lift_mm) return release(tick, pose, s, out);
-  if (tool_ == Tool::suture_row) {
+  if (sews_along(tool_)) {
     edge_.follow(index_, s, pose.tip_mm);
     edge_.note(pose.tip_mm, g_.step_mm);
     return;
@@ -283,7 +366,7 @@ void Gestures::release(int64_t tick, const Pose& pose, const Snapshot& s, EventS
   const bool on_skin = touch_.triangle >= 0 && touch_.distance_mm <= g_.lift_mm;
   switch (doing_) {
     case Doing::stroke: {
-      if (tool_ == Tool::suture_row) {
+      if (sews_along(tool_)) {
         if (on_skin) edge_.follow(index_, s, meant_tip());
         edge_.note(pose.tip_mm, 0.05);
         emit_row(tick, s, out);
@@ -305,15 +388,7 @@ void Gestures::release(int64_t tick, const Pose& pose, const Snapshot& s, EventS
       break;
     }
     case Doing::suture:
-      if (!on_skin) {
-        miss(MissedPress::second_bite, tick, out);
-      } else if (const SkinTouch apart = index_.closest_apart(s, meant_tip(), suture_a_, g_.apart_mm);
-                 apart.triangle >= 0) {
-        touch_ = apart;
-      } else if ((touch_.x_mm - suture_a_.x_mm).norm() < SurfaceIndex::kSheetRadius_mm) {
-        miss(MissedPress::same_edge, tick, out);
-      }
-      emit(event(on_skin ? ToolEvent::suture_b : ToolEvent::suture_cancel, tick, s), out);
+      second_bite(tick, s, out);
       break;
     case Doing::carry: {
       const Carried c = state_.carried;
@@ -345,8 +420,9 @@ void Gestures::emit_row(int64_t tick, const Snapshot& s, EventSink& out) {
 }
 
 void Gestures::cancel(int64_t tick, const Snapshot& s, EventSink& out) {
-  if (doing_ == Doing::stroke && tool_ != Tool::suture_row) emit(event(ToolEvent::stroke_cancel, tick, s), out);
-  if (doing_ == Doing::suture) emit(event(ToolEvent::suture_cancel, tick, s), out);
+  if (doing_ == Doing::stroke && !sews_along(tool_)) emit(event(ToolEvent::stroke_cancel, tick, s), out);
+  if (doing_ == Doing::suture || corner_waits_) emit(event(ToolEvent::suture_cancel, tick, s), out);
+  state_.bites = 0, corner_waits_ = false;
   if (doing_ == Doing::hold_hook || doing_ == Doing::carry) release(tick, last_pose_, s, out);
   doing_ = Doing::nothing;
 }
@@ -386,6 +462,7 @@ void Gestures::tick(int64_t tick, const Pose& hand, bool pressed, int edges, con
     return;
   }
   find_touch(tick, pose, s);
+  show_bites(s);
   if (lost_tick_ >= 0) {
     lost_tick_ = -1;
     if (doing_ != Doing::nothing && (pose.tip_mm - last_pose_.tip_mm).norm() > g_.resume_mm) cancel(tick, s, out);

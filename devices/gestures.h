@@ -4,10 +4,15 @@
 //   scalpel            press on the skin, draw, let go: a stroke; the touched points are material points (rest chart)
 //   undermine, excise  the same; the stroke is the outline
 //   suture_row         two strokes, one along each edge; on the skin that stays nearest along the whole of it
+//   suture_running     the same; one thread
 //   hook               press on the skin: a hook is set and follows the hand until the button is let go; press at the
 //                      handle of a hook that stands: it is taken again
+//   hook_out           press at a hook or at its handle: it is taken out
 //   suture             press at a, let go at b: on other skin than that around a, if there is some under the tip
-//   scissors           press beside a stitch: its thread is cut
+//   suture_buried      the same; the bites lie in the wound's walls
+//   suture_corner      press on a bank, let go in the flap's tip, press on the other bank
+//   scissors           press beside a stitch: its thread is cut; press at an edge of the wound, draw, let go: a cut
+//   marker, swab       press on the skin, draw, let go: a line of the pen; what is wiped off
 //   saw                press on bone, draw once round, let go: the closed line of an osteotomy
 //   grab               press on bone: its fragment is carried, and turned about the tip, until the button is let go
 //
@@ -35,6 +40,8 @@ struct GestureSettings {
   double handle_reach_mm = 5;  // a press this near to a hook's handle takes it
   double resume_ms = 1000;     // a stroke outlives a gap in tracking of at most this
   double resume_mm = 8;        // ... if the hand comes back within this distance
+  double stitch_mm = 5;        // scissors cut a thread that is this near, as the patient picks one
+  double edge_mm = 3;          // ... else tissue, from an edge of a wound that is this near
   double apart_mm = 1.5;       // a stitch's second place is sought so far from the tip on other skin than the first
   double rest_mm = 0.8;        // a hand that stayed within this for a tenth of a second rests
   double default_depth_mm = 4, default_spacing_mm = 4;
@@ -76,6 +83,15 @@ class Gestures {
   Vec3 meant_tip() const;
   void name_place(const ControlSample& c, int64_t tick, const Snapshot& s, EventSink& out);
   void old_control(const ControlSample& c, int64_t tick, const Snapshot& s, EventSink& out);
+  void press_hook(int64_t tick, const Pose& pose, const Snapshot& s, EventSink& out);
+  void take_hook_out(int64_t tick, const Pose& pose, const Snapshot& s, EventSink& out);
+  void press_scissors(int64_t tick, const Snapshot& s, EventSink& out);
+  bool on_ground() const { return touch_.triangle >= 0 && touch_.distance_mm <= g_.reach_mm; }
+  bool at_an_edge(const Snapshot& s) const;
+  void bite(const Snapshot& s, EventSink& out, int64_t tick);
+  void second_bite(int64_t tick, const Snapshot& s, EventSink& out);
+  void show_bites(const Snapshot& s);
+  void begin_stroke(int64_t tick, const Snapshot& s, EventSink& out);
   void emit_row(int64_t tick, const Snapshot& s, EventSink& out);
   ToolEvent event(int kind, int64_t tick, const Snapshot& s) const;
   void emit(ToolEvent e, EventSink& out);
@@ -98,8 +114,9 @@ class Gestures {
   static constexpr size_t kRestTicks = 100;
   std::array<Vec3, kRestTicks> recent_tip_;  // a ring; recent_ ticks of it since tracking began
   size_t recent_ = 0;
-  EdgeStroke edge_;  // of a suture row
-  SkinTouch suture_a_;
+  EdgeStroke edge_;                     // of a suture row
+  std::array<SkinTouch, 2> bite_;       // of a stitch that is begun, the last two
+  bool corner_waits_ = false;           // for its third bite
   SkinTouch last_stroke_;               // the stroke's newest point
   Vec3 last_drawn_tip_ = Vec3::Zero();  // where the hand was then
   int64_t lost_tick_ = -1;              // tracking was lost at this tick, during a gesture

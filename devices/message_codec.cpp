@@ -67,7 +67,7 @@ const char* to_sample(const limberg_msg::stylus_t& m, StylusSample& s, bool any_
 const char* to_sample(const limberg_msg::control_t& m, ControlSample& s, bool any_time) {
   if (const char* wrong = check_prefix(m, any_time)) return wrong;
   if (m.kind < ControlSample::select_tool || m.kind > ControlSample::kLastKind) return "unknown kind of control";
-  if (m.tool < int32_t(Tool::none) || m.tool > int32_t(Tool::grab)) return "unknown tool";
+  if (m.tool < int32_t(Tool::none) || m.tool > int32_t(kLastTool)) return "unknown tool";
   for (double v : m.value)
     if (!std::isfinite(v) || std::abs(v) > 1e6) return "control value is not a number of this world";
   for (size_t i = 0; i < sizeof m.text; ++i)

@@ -12,7 +12,9 @@ struct MissedPress {
     second_bite,  // a stitch was let go where there is no skin: it is given up
     same_edge,    // a stitch was tied, and there was no skin of another edge under its second bite
     place,        // no bone is touched where a place was to be named
-    control       // a control that this patient does not understand
+    control,      // a control that this patient does not understand
+    no_hook,      // no hook stands here that could be taken out
+    no_edge       // scissors, and neither a stitch nor an edge of a wound to begin at
   };
   int64_t tick = 0;
   int32_t kind = press;

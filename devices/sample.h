@@ -34,9 +34,20 @@ enum class Tool : int32_t {
   suture_row = 6,
   scissors = 7,
   saw = 8,
-  grab = 9
+  grab = 9,
+  suture_buried = 10,
+  suture_corner = 11,
+  suture_running = 12,
+  hook_out = 13,
+  marker = 14,
+  swab = 15
 };
+inline constexpr Tool kLastTool = Tool::swab;
 /// Those that act on bone instead of skin: the saw draws a closed line on it, grab carries a fragment.
+/// Drawn along both edges of a wound, one after the other.
+inline bool sews_along(Tool t) { return t == Tool::suture_row || t == Tool::suture_running; }
+/// A needle that goes from bite to bite.
+inline bool sews_bites(Tool t) { return t == Tool::suture || t == Tool::suture_buried || t == Tool::suture_corner; }
 inline bool acts_on_bone(Tool t) { return t == Tool::saw || t == Tool::grab; }
 
 /// One stylus reading (LCM stylus_t), as received: tracker noise and gaps included.

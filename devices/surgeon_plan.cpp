@@ -200,34 +200,64 @@ void SurgeonPlan::plan(const MoveHook& c) {
 }
 
 void SurgeonPlan::plan(const ReleaseHook& c) {
-  control(ControlSample::release_hook, Tool::none, {double(c.id), 0, 0, 0});
+  const HookState* hook = sight_->hook(c.id);
+  if (!hook) {
+    problems_.push_back("command " + std::to_string(number_) + ": there is no hook " + std::to_string(c.id));
+    return;
+  }
+  control(ControlSample::select_tool, Tool::hook_out, {0, 0, 0, double(c.id)});
+  go_down(at_handle(c.id), set_.hover_mm);
+  mark(Step::press);
+  hold(Aim{}, set_.corner_pause_s);
+  mark(Step::let_go);
   hold(Aim{}, set_.settle_s);
 }
 
 void SurgeonPlan::plan(const Suture& c) {
   if (!reachable(c.a) || !reachable(c.b)) return;
-  control(ControlSample::select_tool, Tool::suture);
-  go_down(on_skin(c.a), set_.hover_mm);
+  if (c.depth_mm > 0)
+    control(ControlSample::select_tool, Tool::suture_buried, {c.depth_mm});
+  else
+    control(ControlSample::select_tool, Tool::suture);
+  sew(c.a, c.b);
+}
+
+/// The needle through one place and then another.
+void SurgeonPlan::sew(const ChartPoint& a, const ChartPoint& b) {
+  go_down(on_skin(a), set_.hover_mm);
   mark(Step::press);
-  hold(on_skin(c.a), set_.corner_pause_s);
-  go_down(on_skin(c.b), 0.5 * set_.hover_mm);
+  hold(on_skin(a), set_.corner_pause_s);
+  go_down(on_skin(b), 0.5 * set_.hover_mm);
   mark(Step::let_go);
-  rise(on_skin(c.b));
+  rise(on_skin(b));
 }
 
 void SurgeonPlan::plan(const SutureRow& c) {
   if (c.a.empty() || c.b.empty()) return;
   for (const ChartPoint& p : {c.a.front(), c.a.back(), c.b.front(), c.b.back()})
     if (!reachable(p)) return;
-  control(ControlSample::select_tool, Tool::suture_row, {0, 0, c.spacing_mm, 0});
+  control(ControlSample::select_tool, c.running ? Tool::suture_running : Tool::suture_row, {0, 0, c.spacing_mm, 0});
   stroke(c.a, false, 90);
   stroke(c.b, false, 90);
 }
 
-void SurgeonPlan::plan(const SutureCorner&) {
-  problems_.push_back("command " + std::to_string(number_) +
-                      ": a half-buried stitch is no gesture; single stitches were expected");
+void SurgeonPlan::plan(const SutureCorner& c) {
+  if (!reachable(c.a) || !reachable(c.tip) || !reachable(c.b)) return;
+  control(ControlSample::select_tool, Tool::suture_corner, {c.depth_mm});
+  sew(c.a, c.tip);
+  go_down(on_skin(c.b), 0.5 * set_.hover_mm);
+  mark(Step::press);
+  hold(on_skin(c.b), set_.corner_pause_s);
+  mark(Step::let_go);
+  rise(on_skin(c.b));
 }
+
+void SurgeonPlan::plan(const Mark& c) {
+  if (c.path.empty() || !reachable(c.path.front()) || !reachable(c.path.back())) return;
+  control(ControlSample::select_tool, c.wipes ? Tool::swab : Tool::marker);
+  stroke(c.path, false, 90);
+}
+
 void SurgeonPlan::plan(const SutureBetween&) {
   problems_.push_back("command " + std::to_string(number_) +
                       ": a row between two stitches is no gesture; a row along two edges was expected");

@@ -64,6 +64,7 @@ class SurgeonPlan {
   void rise(const Aim& from);
   void stroke(const std::vector<ChartPoint>& points, bool closed, double angle_deg);
   void stroke_command(Tool tool, const std::vector<ChartPoint>& path, bool closed, double depth_mm, double angle_deg);
+  void sew(const ChartPoint& a, const ChartPoint& b);
   void let_go_unless_moved_next(const Aim& from);
   bool reachable(const ChartPoint& c);
 
@@ -77,6 +78,7 @@ class SurgeonPlan {
   void plan(const Suture& c);
   void plan(const SutureRow& c);
   void plan(const SutureCorner& c);
+  void plan(const Mark& c);
   void plan(const SutureBetween& c);
   void plan(const CutSuture& c);
   void plan(const Undo& c);

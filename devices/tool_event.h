@@ -13,7 +13,7 @@ struct ToolEvent {
     stroke_begin,
     stroke_point,
     stroke_end,
-    stroke_cancel,  // scalpel, undermine, excise, suture_row (two strokes make a row)
+    stroke_cancel,  // what is drawn; two strokes make a row of stitches
     hook_set,
     hook_release,
     suture_a,
@@ -30,7 +30,8 @@ struct ToolEvent {
     bone_drag,  // where the fragment was taken in the end: world_mm and quat, the map of places since it was grabbed
     bone_release,
     name_place,  // of a head: rest_mm has the name `text` from now on; id 1: on the face
-    told         // what a panel or a program says: `command`; without one it says nothing yet
+    told,        // what a panel or a program says: `command`; without one it says nothing yet
+    suture_tip   // of a corner's stitch: between suture_a and suture_b, the needle goes through the flap's tip
   };
   int64_t seq = 0;        // counts events, gaps are losses
   int64_t tick = 0;       // device tick, 1 ms
@@ -74,6 +75,8 @@ struct ToolState {
   int32_t tool = 0;
   int32_t held_hook = 0;  // 0 = none
   int32_t pressed = 0;
+  int32_t bites = 0;  // a stitch is begun: so many bites of it are taken, the places of the last two are
+  double bite_mm[2][3]{};
   int32_t valid = 0;  // 0 before the first sample or when stale
   double
       shift_mm[3]{};  // of what is held and of the tip with it, from where the hand is: what the clutch has left behind

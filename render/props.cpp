@@ -231,6 +231,36 @@ void add_hook(PropMesh& mesh, const HookState& hook, const Vec3f& up) {
   }
 }
 
+namespace {
+
+constexpr Vec3f::Scalar kThread_mm = 0.14f;
+PropLook thread_look() { return {{0.016f, 0.035f, 0.13f}, 0.12f, id_of(Part::suture, 0)}; }
+
+/// A needle of three eighths of a circle in the jaws, its point at the tip, and the thread of a stitch that is begun:
+/// from its tail outside of the skin, through the bites, to the needle.
+void add_needle(PropMesh& mesh, const ToolPose& tool, const Vec3f& shaft, const Vec3f& wide, uint32_t id) {
+  constexpr float kRadius_mm = 4.5f, kArc = 0.75f * kPi;
+  std::vector<Vec3f> arc;
+  std::vector<float> thick;
+  for (int i = 0; i <= 12; ++i) {
+    const float w = kArc * float(i) / 12;
+    arc.push_back(tool.tip_mm + kRadius_mm * (std::sin(w) * wide + (1 - std::cos(w)) * shaft));
+    thick.push_back(std::min(0.28f, 0.05f + 0.09f * float(i)));
+  }
+  add_tube(mesh, arc, thick, {{0.72f, 0.73f, 0.75f}, 1, id}, 8);
+  if (tool.bites == 0) return;
+  std::vector<Vec3f> way{tool.bite_mm[0] + 5 * shaft - 6 * wide, tool.bite_mm[0] + 1.2f * shaft - 2.5f * wide};
+  for (int b = 0; b < tool.bites; ++b) {
+    if (b > 0) way.push_back(0.5f * (tool.bite_mm[0] + tool.bite_mm[1]) + 0.8f * shaft);
+    way.push_back(tool.bite_mm[size_t(b)]);
+  }
+  way.push_back(0.5f * (way.back() + arc.back()) + 1.5f * shaft);  // it hangs loose
+  way.push_back(arc.back());
+  smooth_tube(mesh, way, kThread_mm, thread_look());
+}
+
+}  // namespace
+
 void add_tool(PropMesh& mesh, const ToolPose& tool) {
   if (!tool.visible || !tool.tip_mm.allFinite() || !tool.shaft.allFinite()) return;
   const uint32_t id = id_of(Part::tool, int32_t(tool.kind));
@@ -241,6 +271,20 @@ void add_tool(PropMesh& mesh, const ToolPose& tool) {
     std::vector<float> radius;
     for (const auto& [d, r] : profile) path.push_back(tool.tip_mm + d * s), radius.push_back(r);
     add_tube(mesh, path, radius, look, 16);
+  };
+  // A straight piece from so far beside the shaft's line at one height to another, in the tool's plane.
+  const auto arm = [&](float beside, float from, float then, float to, float radius) {
+    add_tube(mesh, std::array{Vec3f(tool.tip_mm + from * s + beside * wide), Vec3f(tool.tip_mm + to * s + then * wide)},
+             std::array{0.7f * radius, radius}, steel, 10);
+  };
+  const auto ring = [&](float beside, float at) {  // for a finger
+    std::array<Vec3f, 17> path;
+    std::array<float, 17> thick;
+    for (size_t i = 0; i < path.size(); ++i) {
+      const float w = 2 * kPi * float(i) / 16;
+      path[i] = tool.tip_mm + (at + 11 * std::cos(w)) * s + (beside + 8 * std::sin(w)) * wide, thick[i] = 1.3f;
+    }
+    add_tube(mesh, path, thick, steel, 8);
   };
   switch (tool.kind) {
     case ToolPose::Kind::scalpel: {
@@ -275,7 +319,37 @@ void add_tool(PropMesh& mesh, const ToolPose& tool) {
       body({{0, 0.12f}, {2, 0.3f}, {18, 0.5f}, {20, 1.1f}, {60, 1.3f}, {64, 0.8f}}, steel);
       break;
     case ToolPose::Kind::needle_holder:
-      body({{0, 0.5f}, {4, 0.9f}, {22, 1.6f}, {26, 2.6f}, {30, 1.8f}, {110, 2.2f}}, steel);
+      for (const float jaw : {-1.0f, 1.0f}) arm(jaw * 0.35f, 5, jaw * 0.5f, 24, 0.8f);
+      body({{23, 1.5f}, {26, 2.6f}, {30, 1.8f}}, steel);
+      for (const float branch : {-1.0f, 1.0f}) arm(branch * 0.9f, 28, branch * 7, 112, 1.2f);
+      for (const float branch : {-1.0f, 1.0f}) ring(branch * 10, 121);
+      add_needle(mesh, tool, s, wide, id);
+      break;
+    case ToolPose::Kind::dissector:  // a periosteal elevator: a thin, blunt blade on a round handle
+      add_ellipsoid(mesh, tool.tip_mm + 6 * s, 6 * s, 2.6f * wide, 0.4f * side, steel, 10);
+      body({{10, 0.9f}, {34, 1.4f}, {40, 2.8f}, {118, 3.2f}, {124, 2}}, steel);
+      break;
+    case ToolPose::Kind::scissors: {
+      const float open = tool.closed ? 0.3f : 3.2f;
+      for (const float blade : {-1.0f, 1.0f}) arm(blade * open, 0, 0, 26, 0.8f), arm(0, 26, -blade * 8, 96, 1.3f);
+      for (const float blade : {-1.0f, 1.0f}) ring(blade * 11, 106);
+      add_ellipsoid(mesh, tool.tip_mm + 26 * s, 1.6f * s, 1.6f * wide, 1.3f * side, steel, 6);
+      break;
+    }
+    case ToolPose::Kind::marker:
+      body({{0, 0.35f}, {4, 1}}, {{0.10f, 0.02f, 0.24f}, 0, id});
+      body({{4, 2.4f}, {12, 4}, {100, 4.2f}}, {{0.62f, 0.62f, 0.66f}, 0.1f, id});
+      body({{100, 4.4f}, {132, 4.4f}, {135, 3}}, {{0.10f, 0.02f, 0.24f}, 0.1f, id});
+      break;
+    case ToolPose::Kind::swab:  // a folded swab in the jaws of a clamp
+      add_ellipsoid(mesh, tool.tip_mm + 5 * s, 5 * s, 6 * wide, 3 * side, {{0.78f, 0.76f, 0.70f}, -1, id}, 10);
+      for (const float jaw : {-1.0f, 1.0f})
+        arm(jaw * 1.2f, 5, jaw * 0.8f, 34, 1.1f), arm(jaw * 0.8f, 34, jaw * 7, 118, 1.3f);
+      for (const float jaw : {-1.0f, 1.0f}) ring(jaw * 10, 127);
+      break;
+    case ToolPose::Kind::saw:  // a reciprocating blade and its handpiece
+      body({{0, 0.4f}, {3, 1.1f}, {32, 1.2f}}, steel);
+      body({{32, 4}, {40, 8}, {120, 9}, {126, 5}}, grip);
       break;
     case ToolPose::Kind::stylus:
       body({{0, 0.15f}, {3, 0.6f}, {10, 1.6f}, {24, 3.2f}, {30, 3.6f}}, steel);

@@ -77,6 +77,15 @@ void add_gloves(RenderScene& scene, const ToolPose& tool) {
 
 }  // namespace
 
+void SceneBuilder::show_beds(const Snapshot& snapshot) {
+  if (!whole_ || scene_.mesh != whole_ || !snapshot.topology) return;
+  if (!bared_) bared_ = std::make_shared<TissueMesh>(without_flaps(*whole_, *snapshot.topology));
+  if (bared_->tri.size() == whole_->tri.size()) return;  // nothing was raised
+  scene_.mesh = bared_;
+  for (const auto& [i, j] : whole_->rim)  // where they are
+    scene_.lines.add(snapshot.x_mm[size_t(i)], snapshot.x_mm[size_t(j)], Vec3f(0.9f, 0.75f, 0.55f));
+}
+
 const RenderScene& SceneBuilder::build(const Snapshot& snapshot, const ToolPose& tool, bool strands) {
   RenderScene& scene = scene_;
   scene.props.clear();
@@ -89,9 +98,10 @@ const RenderScene& SceneBuilder::build(const Snapshot& snapshot, const ToolPose&
     return scene;
   }
   const SurfaceTopology& topology = *snapshot.topology;
-  if (!scene.mesh || scene.mesh->version != topology.version || scene.mesh->hash != topology.hash ||
-      scene.mesh->vertices_of_view != topology.view.X_mm.size())
-    scene.mesh = std::make_shared<TissueMesh>(make_tissue_mesh(topology));
+  if (!whole_ || whole_->version != topology.version || whole_->hash != topology.hash ||
+      whole_->vertices_of_view != topology.view.X_mm.size())
+    whole_ = std::make_shared<TissueMesh>(make_tissue_mesh(topology)), bared_ = nullptr;
+  scene.mesh = whole_;
   const TissueMesh& mesh = *scene.mesh;
 
   scene.x_mm.resize(mesh.source.size());

@@ -90,13 +90,20 @@ class SceneBuilder {
   void add_lines(const SceneLines& lines);
   /// Shows another field than the snapshot's own: a value per vertex of the view; empty: none.
   const RenderScene& show_field(std::span<const float> per_vertex);
+  /// The flaps are left out, so that their beds are seen (without_flaps()).
+  void show_beds(const Snapshot& snapshot);
 
  private:
   RenderScene scene_;
+  std::shared_ptr<const TissueMesh> whole_, bared_;  // of one topology; bared_: null until it is wanted
 };
 
 /// The constant half, for a topology.
 TissueMesh make_tissue_mesh(const SurfaceTopology& topology);
+
+/// The same vertices without the triangles of what was raised from its bed: skin under which, seen along the chart's
+/// normal, a cut face looks away from the skin, and the walls of that. O(triangles)
+TissueMesh without_flaps(const TissueMesh& mesh, const SurfaceTopology& topology);
 
 /// Area-weighted vertex normals (unit; zero where a vertex has no area).
 void vertex_normals(const std::vector<std::array<uint32_t, 3>>& tri, const std::vector<Vec3f>& x_mm,

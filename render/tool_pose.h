@@ -1,5 +1,7 @@
 #pragma once
 // What the hands are and hold, as far as a picture needs to know it.
+#include <array>
+
 #include "sim/geometry/vec.h"
 
 namespace limberg {
@@ -18,11 +20,14 @@ struct GlovePose {
 };
 
 struct ToolPose {
-  enum class Kind { stylus, scalpel, hook, needle_holder };
+  enum class Kind { stylus, scalpel, hook, needle_holder, dissector, scissors, marker, swab, saw };
   bool visible = false;
   Kind kind = Kind::stylus;
   Vec3f tip_mm = Vec3f::Zero();
   Vec3f shaft = Vec3f::UnitZ();  // unit, from the tip towards the hand
+  int bites = 0;                 // of a stitch that is begun: the thread runs through the last of them to the needle
+  std::array<Vec3f, 2> bite_mm{Vec3f::Zero(), Vec3f::Zero()};
+  bool closed = false;           // scissors
   GlovePose glove, other_glove;  // other hands
 };
 

@@ -73,11 +73,29 @@ UiPainter::UiPainter(const GlFunctions& gl) : gl_(gl) {
 }
 
 UiPainter::~UiPainter() {
+  for (const auto& [number, texture] : pictures_) gl_.DeleteTextures(1, &texture);
   gl_.DeleteProgram(program_);
   gl_.DeleteTextures(1, &font_);
   gl_.DeleteBuffers(1, &vertices_);
   gl_.DeleteBuffers(1, &indices_);
   gl_.DeleteVertexArrays(1, &array_);
+}
+
+void* UiPainter::picture(uint64_t number, const Image& image) {
+  constexpr size_t kMost = 400;  // the oldest go: they are made again when they are seen
+  GLuint& texture = pictures_[number];
+  if (texture == 0 && !image.empty()) {
+    std::vector<uint8_t> rgba;
+    rgba.reserve(image.rgb.size() / 3 * 4);
+    for (size_t i = 0; i + 2 < image.rgb.size(); i += 3)
+      rgba.insert(rgba.end(), {image.rgb[i], image.rgb[i + 1], image.rgb[i + 2], 255});
+    texture = make_texture(gl_, {image.width, image.height, std::move(rgba)}, false, false, false);
+    if (pictures_.size() > kMost && pictures_.begin()->first != number) {
+      gl_.DeleteTextures(1, &pictures_.begin()->second);
+      pictures_.erase(pictures_.begin());
+    }
+  }
+  return reinterpret_cast<void*>(uintptr_t(pictures_[number]));
 }
 
 void UiPainter::paint(const ImDrawData& data, int width, int height) {
@@ -106,6 +124,8 @@ void UiPainter::paint(const ImDrawData& data, int width, int height) {
       const int x1 = std::min(width, int(std::ceil(sx * c.ClipRect.z))),
                 y1 = std::min(height, int(std::ceil(sy * c.ClipRect.w)));
       if (x1 <= x0 || y1 <= y0) continue;
+      const auto own = GLuint(reinterpret_cast<uintptr_t>(c.TextureId));
+      gl_.BindTexture(GL_TEXTURE_2D, own != 0 ? own : font_);
       gl_.Scissor(x0, height - y1, x1 - x0, y1 - y0);
       gl_.DrawElements(GL_TRIANGLES, GLsizei(c.ElemCount), sizeof(ImDrawIdx) == 2 ? GL_UNSIGNED_SHORT : GL_UNSIGNED_INT,
                        reinterpret_cast<void*>(size_t(c.IdxOffset) * sizeof(ImDrawIdx)));

@@ -1,5 +1,6 @@
 #include "app/pictures/pictures.h"
 
+#include <algorithm>
 #include <filesystem>
 
 #include "app/pictures/field_map.h"
@@ -55,13 +56,33 @@ ToolPose tool_pose(const ToolState& t, const SecondHand& glove, const SecondHand
   p.visible = t.valid != 0;
   switch (Tool(t.tool)) {
     case Tool::hook:
+    case Tool::hook_out:
       p.kind = ToolPose::Kind::hook;
       break;
     case Tool::suture:
+    case Tool::suture_buried:
+    case Tool::suture_corner:
     case Tool::suture_row:
+    case Tool::suture_running:
       p.kind = ToolPose::Kind::needle_holder;
       break;
+    case Tool::undermine:
+      p.kind = ToolPose::Kind::dissector;
+      break;
+    case Tool::scissors:
+      p.kind = ToolPose::Kind::scissors, p.closed = t.pressed != 0;
+      break;
+    case Tool::marker:
+      p.kind = ToolPose::Kind::marker;
+      break;
+    case Tool::swab:
+      p.kind = ToolPose::Kind::swab;
+      break;
+    case Tool::saw:
+      p.kind = ToolPose::Kind::saw;
+      break;
     case Tool::none:
+    case Tool::grab:
       p.kind = ToolPose::Kind::stylus;
       break;
     default:
@@ -69,6 +90,9 @@ ToolPose tool_pose(const ToolState& t, const SecondHand& glove, const SecondHand
       break;
   }
   for (int i = 0; i < 3; ++i) p.tip_mm[i] = float(t.tip_mm[i]), p.shaft[i] = float(t.shaft[i]);
+  p.bites = std::clamp(t.bites, 0, int(p.bite_mm.size()));
+  for (int b = 0; b < p.bites; ++b)
+    for (int i = 0; i < 3; ++i) p.bite_mm[size_t(b)][i] = float(t.bite_mm[b][i]);
   p.glove = glove_pose(glove), p.other_glove = glove_pose(other);
   // A hand that pushes the cursor has the tool there: it need not be seen whole, and hides what it works on.
   for (GlovePose* hand : {&p.glove, &p.other_glove})

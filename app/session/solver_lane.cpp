@@ -154,6 +154,7 @@ void SolverLane::take(const ToolEvent& e, int64_t tick) {
   }
   bool done = false;
   if (e.kind == ToolEvent::suture_a) a_moved_ = moved_away(e);
+  if (e.kind == ToolEvent::suture_tip && a_moved_.empty()) a_moved_ = moved_away(e);
   std::string moved;
   if (c && (e.kind == ToolEvent::suture_b || e.kind == ToolEvent::hook_set)) moved = moved_away(e);
   if (c && e.kind == ToolEvent::suture_b && moved.empty()) moved = a_moved_;
@@ -266,7 +267,7 @@ void SolverLane::notify_dropped(const ToolEvent& e, int64_t tick) {
   Notice n;
   n.kind = Notice::dropped;
   n.t_s = seconds(tick);
-  const bool stroke = e.kind == ToolEvent::stroke_end, row = Tool(e.tool) == Tool::suture_row;
+  const bool stroke = e.kind == ToolEvent::stroke_end, row = sews_along(Tool(e.tool));
   Notice::put(n.text,
               !stroke || row
                   ? "the row is given up: its second edge was not drawn; draw along both edges, one after the other"

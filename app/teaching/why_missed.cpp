@@ -27,7 +27,7 @@ std::string press_on_skin(const MissedPress& m, const Snapshot& s) {
   if (tool == Tool::hook)
     return what == Under::wound ? "The hook holds nothing in the wound: press on skin, 2 mm beside its edge."
                                 : "The hook holds nothing here: press on skin, near the flap's tip.";
-  if (tool == Tool::suture || tool == Tool::suture_row)
+  if (sews_bites(tool) || sews_along(tool))
     return what == Under::wound ? "The needle goes in beside the edge, not in the wound: press on skin."
                                 : "There is no skin under the needle: press beside an edge of the wound.";
   if (tool == Tool::scissors) return "There is nothing to cut under the scissors: press beside a stitch.";
@@ -49,6 +49,11 @@ std::string why_missed(const MissedPress& m, const Snapshot& s) {
              "Ctrl+Z takes it back.";
     case MissedPress::place:
       return "No bone is touched here: touch bone with saw or grab to name a place on it.";
+    case MissedPress::no_hook:
+      return "No hook stands here: press where one holds the skin, or at its handle.";
+    case MissedPress::no_edge:
+      return "There is neither a stitch nor an edge of the wound here. Scissors cut threads, and tissue from an edge: "
+             "make the first cut with the scalpel.";
     case MissedPress::control:
       return "This patient does not understand what was asked for.";
     default:

@@ -7,11 +7,16 @@
 #include <string>
 #include <vector>
 
+#include "app/assembly/desk_memory.h"
 #include "app/pictures/skin_fields.h"
 #include "app/session/gauges.h"
 #include "app/session/notice.h"
+#include "app/window/act_history.h"
 #include "app/window/desk_head.h"
+#include "app/window/desk_history.h"
+#include "app/window/desk_layout.h"
 #include "app/window/desk_lesson.h"
+#include "app/window/desk_tour.h"
 #include "app/window/hand_feed.h"
 #include "app/window/ruler.h"
 #include "app/window/screen.h"
@@ -51,8 +56,15 @@ struct DeskState : HandChoice {
   DeskHead head;
   DeskLesson lesson;
   bool summary = false;  // how the lesson's try went
-  int release_hook = 0;  // asked for in this frame: its number
+  DeskMemory memory;
+  DeskTour tour;
+  bool history = false;                                             // the panel of acts is open
+  enum class Keys { patient, tools, beside } keys = Keys::patient;  // whose the keys are: the hand's, or a panel's
   // Asked for in this frame:
+  int release_hook = 0;          // its number
+  std::optional<size_t> go_to;   // so many acts are to stand
+  float turn_x = 0, turn_y = 0;  // of the view, in pixels of a mouse that drags
+  int nearer = 0;                // notches of a wheel
   bool tool_changed = false, undo = false, redo = false, next = false, next_clean = false, picture = false,
        home = false, headset = false;
 };
@@ -65,7 +77,8 @@ struct DeskMark {
   enum class Kind : uint8_t {
     landmark,
     letter,
-    limit
+    limit,
+    length                  // of a line of the pen
   } kind = Kind::landmark;  // of a head, or of the drawing of a plan
 };
 
@@ -83,7 +96,11 @@ struct DeskReading {
   const SkinFieldLook* look = nullptr;  // of what is shown, where it is none of the fields of skin
   double samples_per_s = 0, pictures_per_s = 0;
   const std::vector<HeadMeasure>* measures = nullptr;  // of a head
-  std::vector<DeskMark> marks;                         // its landmarks; letters of a plan
+  std::vector<DeskMark> marks;                         // its landmarks; letters of a plan; lengths of the pen
+  const ActHistory* acts = nullptr;                    // null: not shown
+  DeskHistory::Picture act_picture;
+  bool pointed = false;  // keys lead the tool: where it points is shown
+  float point_x = 0, point_y = 0;
 };
 
 class Desk {
@@ -106,11 +123,22 @@ class Desk {
   bool popup() const { return popup_; }
 
  private:
-  void panel(const char* name, float x, float y, float w, float h);
-  void tools(const DeskReading& r, int height);
-  void patient(const DeskReading& r, int width, int height);
-  void lanes(const DeskReading& r, int width, int height);
-  void legend(const DeskReading& r, int width, int height);
+  void panel(const char* name, const FrameRect& at);
+  bool offered(Tool tool) const;
+  void menu(float width);
+  void menu_items(const char* menu);
+  void tools(const DeskReading& r, const FrameRect& at);
+  void tool_row(const DeskTool& tool, const DeskReading& r);
+  void settings(Tool tool);
+  void view_choices();
+  void patient(const DeskReading& r, const FrameRect& at);
+  void lanes(const DeskReading& r, const DeskLayout& at);
+  void words(const DeskReading& r, const FrameRect& stage);
+  void legend(const DeskReading& r, const FrameRect& stage);
+  void compared(const DeskReading& r, const FrameRect& stage);
+  void marks(const DeskReading& r);
+  void ruler(const DeskReading& r, const std::vector<Vec3f>& ruler_px);
+  void set_by_key(int steps);
   void help(int width, int height);
   void done_list();
   void hooks(const Snapshot& s);
@@ -121,23 +149,13 @@ class Desk {
 
   DeskFacts facts_;
   std::deque<Notice> notices_;
-  bool shown_ = false;   // what is heard of is shown by the program
-  float stage_top_ = 0;  // where the words over the patient end
+  bool shown_ = false;                      // what is heard of is shown by the program
+  float stage_top_ = 0, stage_bottom_ = 0;  // what the words over the patient leave of it
+  DeskHistory history_;
+  DeskState::Keys keys_shown_ = DeskState::Keys::patient;
   std::string last_word_;
   std::vector<FrameRect> covered_;
   bool popup_ = false;
 };
-
-/// How much larger than by default the panels are in a frame of so many pixels, in quarters: on a screen of 2160 lines
-/// twice.
-float desk_scale(int width, int height);
-
-/// The part of the frame that the panels leave to the patient, as shares of its width and height from the top left
-/// corner.
-struct DeskStage {
-  float u0 = 0, v0 = 0, u1 = 1, v1 = 1;
-  double aspect = 1;  // width over height, in pixels
-};
-DeskStage desk_stage(int width, int height);
 
 }  // namespace limberg

@@ -15,25 +15,41 @@ namespace limberg {
 
 struct DeskTool {
   Tool tool = Tool::none;
-  int32_t key = 0;
+  int32_t key = 0;  // a digit
+  bool shift = false;
   const char* name = "";
-  const char* action = "";  // what the hand does with it, as the table of acts has it; empty: no sliders
+  const char* help = "";    // what the hand does
+  const char* action = "";  // what comes of it, as the table of acts has it; empty: no sliders
 };
-inline constexpr std::array<DeskTool, 10> kDeskTools{{{Tool::none, '1', "Look around"},
-                                                      {Tool::scalpel, '2', "Scalpel", "incise"},
-                                                      {Tool::undermine, '3', "Undermine", "undermine"},
-                                                      {Tool::excise, '4', "Excise", "excise"},
-                                                      {Tool::hook, '5', "Hook"},
-                                                      {Tool::suture, '6', "Stitch"},
-                                                      {Tool::suture_row, '7', "Row of stitches", "suture_row"},
-                                                      {Tool::saw, '8', "Saw"},
-                                                      {Tool::grab, '9', "Grab"},
-                                                      {Tool::scissors, '0', "Scissors"}}};
+inline constexpr std::array<DeskTool, 16> kDeskTools{
+    {{Tool::none, '1', false, "Look around", "The left button turns the view."},
+     {Tool::marker, '1', true, "Marker pen", "Draw on the skin; the line is measured and goes with the skin."},
+     {Tool::scalpel, '2', false, "Scalpel", "Press on the skin, draw, let go: a cut along the way.", "incise"},
+     {Tool::swab, '2', true, "Swab",
+      "Shows the bed under a flap while it is held. Pressed and drawn it wipes the pen off."},
+     {Tool::undermine, '3', false, "Undermine", "Draw once round what is to come off its bed.", "undermine"},
+     {Tool::excise, '4', false, "Excise", "Draw once round what is to be taken away.", "excise"},
+     {Tool::hook, '5', false, "Hook", "Press on the skin and carry it. Press at its handle to carry it on."},
+     {Tool::hook_out, '5', true, "Hook out", "Press at a hook or at its handle: it is taken out."},
+     {Tool::suture, '6', false, "Stitch", "Press beside one edge, let go beside the other."},
+     {Tool::suture_buried, '6', true, "Buried stitch", "The same; the bites lie in the walls of the wound.", "suture"},
+     {Tool::suture_row, '7', false, "Row of stitches", "Draw along one edge, then along the other.", "suture_row"},
+     {Tool::suture_running, '7', true, "Running stitch", "Draw along one edge, then along the other: one thread.",
+      "suture_row"},
+     {Tool::suture_corner, '8', true, "Corner stitch",
+      "Press on one bank, let go in the flap's tip, then press on the other bank.", "suture_corner"},
+     {Tool::saw, '8', false, "Saw", "Draw once round on the bone."},
+     {Tool::grab, '9', false, "Grab", "Press on a piece of bone and carry it."},
+     {Tool::scissors, '0', false, "Scissors",
+      "Press beside a stitch: its thread is cut. Press at an edge of the wound and draw: tissue is.", "incise"}}};
+/// "Shift+6".
+std::string key_words(const DeskTool& tool);
 
 /// The tool that the hand has, and how it is set.
 struct HandChoice {
   Tool tool = Tool::none;  // none: look around
   float depth_mm = 4, angle_deg = 90, spacing_mm = 4;
+  float bite_mm = 1;  // how deep the bites of a buried or a corner's stitch lie
 };
 /// A setting of a tool, as the panels offer it.
 struct ToolSlider {
@@ -47,22 +63,26 @@ std::vector<ToolSlider> tool_sliders(Tool tool, double max_depth_mm);
 /// As the control that tells the device side of it.
 ControlSample control_of(const HandChoice& choice);
 
-enum class HandKey { none, tool, undo, redo, clutch, glove, gain };
+enum class HandKey { none, tool, undo, redo, clutch, glove, gain, cursor, lead, press };
 
 class Desk;
 
 /// A line of the help. Those that are heard as keys have their codes.
 struct DeskKey {
   std::string keys, what;
-  std::array<int32_t, 2> code{};  // 0: none
+  std::array<int32_t, 4> code{};  // 0: none
   bool control = false;           // with the control key held
   HandKey hand = HandKey::none;
   void (*act)(Desk& desk, uint32_t mods) = nullptr;  // what the panels do, on the render thread
+  const char* menu = "";                             // where it stands; empty: in none
+  const char* title = "";                            // there
 };
 const std::vector<DeskKey>& desk_keys();
 /// The line of a key; null: it does nothing.
 const DeskKey* desk_key(int32_t code, uint32_t mods);
-/// The tool of a number key; null: none.
-const DeskTool* tool_of_key(int32_t code);
+/// The tool of a number key, with Shift or without; null: none.
+const DeskTool* tool_of_key(int32_t code, uint32_t mods);
+/// Of a tool; never null.
+const DeskTool* desk_tool(Tool tool);
 
 }  // namespace limberg

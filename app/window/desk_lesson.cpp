@@ -18,7 +18,7 @@ void DeskLesson::steps(const Coach& c, const char* title, float height, bool sho
   int m = int(c.mode());
   ImGui::PushItemWidth(-1);
   if (c.mode() == LessonMode::examination) {
-    ImGui::TextColored(kWarn, "Examination: nothing is shown");
+    ImGui::TextColored(ink::warn(), "Examination: nothing is shown");
   } else if (ImGui::Combo("##mode", &m, "Guided lesson\0Free: no plan, no hints\0Examination\0")) {
     mode = LessonMode(m);
   }
@@ -28,12 +28,12 @@ void DeskLesson::steps(const Coach& c, const char* title, float height, bool sho
   for (size_t i = 0; i < says.steps.size(); ++i) {
     const StepSeen& s = says.steps[i];
     const bool plain = c.mode() == LessonMode::guided;
-    const ImVec4& colour = s.state == StepSeen::now     ? kNow
-                           : s.state == StepSeen::ahead ? kQuiet
-                           : !plain                     ? kNow
-                           : s.state == StepSeen::off   ? kWarn
-                           : s.state == StepSeen::shown ? kShown
-                                                        : kGood;
+    const ImVec4& colour = s.state == StepSeen::now     ? ink::plain()
+                           : s.state == StepSeen::ahead ? ink::quiet()
+                           : !plain                     ? ink::plain()
+                           : s.state == StepSeen::off   ? ink::warn()
+                           : s.state == StepSeen::shown ? ink::shown()
+                                                        : ink::good();
     const char* word = !plain                       ? ""
                        : s.state == StepSeen::done  ? "  as planned"
                        : s.state == StepSeen::off   ? "  off"
@@ -44,40 +44,46 @@ void DeskLesson::steps(const Coach& c, const char* title, float height, bool sho
   }
   ImGui::EndChild();
   if (c.mode() == LessonMode::examination) return;
-  const float half = 0.5f * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
+  // Two buttons beside one another where their words have room.
+  const float whole = ImGui::GetContentRegionAvail().x, part = 0.5f * (whole - ImGui::GetStyle().ItemSpacing.x);
+  const bool pairs = ImGui::CalcTextSize("... from the plan").x + 10 < part;
+  const float half = pairs ? part : whole;
+  const auto beside = [&] {
+    if (pairs) ImGui::SameLine();
+  };
   if (showing) {
-    ImGui::TextColored(kShown, "being shown ...");
+    ImGui::TextColored(ink::shown(), "being shown ...");
     ImGui::Dummy({0, ImGui::GetFrameHeight() - ImGui::GetTextLineHeight() - ImGui::GetStyle().ItemSpacing.y});
   } else if (!says.finished) {
     const int undos = says.undos_to_plan;
     if (ImGui::Button("Show me   N", {undos > 0 ? half : -1, 0})) next = true;
     if (undos > 0) {
-      ImGui::SameLine();
+      beside();
       if (ImGui::Button("... from the plan", {half, 0})) clean = true;
       if (ImGui::IsItemHovered())
         ImGui::SetTooltip("takes back what is off (%d %s), then shows", undos, undos == 1 ? "act" : "acts");
     }
   }
   if (ImGui::Button("How it went   J", {half, 0})) summary_open = !summary_open;
-  ImGui::SameLine();
+  beside();
   if (ImGui::Button("Try again", {half, 0}) && !showing) again = true;
 }
 
-float DeskLesson::next_step(const Coach& c, float x, float y, float w, std::vector<FrameRect>& covered) {
+float DeskLesson::next_step(const Coach& c, float x, float y, float w, float most, std::vector<FrameRect>& covered) {
   const CoachSays& says = c.says();
   if (c.mode() != LessonMode::guided || c.plan().steps.empty()) return y;
   ImGui::SetNextWindowPos({x + 6, y + 6});
-  ImGui::SetNextWindowSizeConstraints({w - 12, 0}, {w - 12, 400});
+  ImGui::SetNextWindowSizeConstraints({w - 12, 0}, {w - 12, most});
   ImGui::SetNextWindowBgAlpha(0.82f);
   ImGui::Begin("next step", nullptr, kPanel | ImGuiWindowFlags_AlwaysAutoResize);
   ImGui::PushTextWrapPos(w - 26);
   if (says.finished) {
-    ImGui::TextColored(kGood, "All steps are done. J shows how it went.");
+    ImGui::TextColored(ink::good(), "All steps are done. J shows how it went.");
   } else {
     const TeachingStep& t = c.plan().steps[says.step];
-    ImGui::TextColored(kQuiet, "Step %d of %d", int(says.step) + 1, int(c.plan().steps.size()));
+    ImGui::TextColored(ink::quiet(), "Step %d of %d", int(says.step) + 1, int(c.plan().steps.size()));
     ImGui::SameLine();
-    ImGui::TextColored(kNow, "%s", t.words.stage.c_str());
+    ImGui::TextColored(ink::plain(), "%s", t.words.stage.c_str());
     if (says.question) {
       ImGui::TextUnformatted("Before you go on:");
       ImGui::SameLine();
@@ -89,14 +95,14 @@ float DeskLesson::next_step(const Coach& c, float x, float y, float w, std::vect
         ImGui::TextWrapped("%s", says.question->answers[i].c_str());
         ImGui::PopID();
       }
-      ImGui::TextColored(kQuiet, "Then: %s", says.say.c_str());
+      ImGui::TextColored(ink::quiet(), "Then: %s", says.say.c_str());
     } else {
-      if (!says.answer.empty()) ImGui::TextColored(kGood, "%s", says.answer.c_str());
+      if (!says.answer.empty()) ImGui::TextColored(ink::good(), "%s", says.answer.c_str());
       ImGui::TextUnformatted(says.say.c_str());
-      if (!says.why.empty()) ImGui::TextColored(kQuiet, "Why: %s", says.why.c_str());
-      if (t.acts > 1 && says.act != says.say) ImGui::TextColored(kNow, "Now: %s.", says.act.c_str());
-      if (!says.limit.empty()) ImGui::TextColored(kQuiet, "%s", says.limit.c_str());
-      if (!says.hint.empty()) ImGui::TextColored(kHint, "Hint: %s", says.hint.c_str());
+      if (!says.why.empty()) ImGui::TextColored(ink::quiet(), "Why: %s", says.why.c_str());
+      if (t.acts > 1 && says.act != says.say) ImGui::TextColored(ink::plain(), "Now: %s.", says.act.c_str());
+      if (!says.limit.empty()) ImGui::TextColored(ink::quiet(), "%s", says.limit.c_str());
+      if (!says.hint.empty()) ImGui::TextColored(ink::hint(), "Hint: %s", says.hint.c_str());
     }
   }
   ImGui::PopTextWrapPos();
@@ -115,8 +121,8 @@ void DeskLesson::stroke(const Coach& c, float x, float w, float bottom) {
   ImGui::SetNextWindowBgAlpha(0.85f);
   ImGui::Begin("stroke", nullptr, kPanel | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs);
   for (const LiveRow& r : says.stroke) {
-    const ImVec4& colour = r.share <= 0.7 ? kGood : r.share <= 1 ? kWarn : kBad;
-    ImGui::TextColored(kQuiet, "%s", r.name.c_str());
+    const ImVec4& colour = r.share <= 0.7 ? ink::good() : r.share <= 1 ? ink::warn() : ink::bad();
+    ImGui::TextColored(ink::quiet(), "%s", r.name.c_str());
     ImGui::SameLine(72);
     ImGui::TextColored(colour, "%s", r.words.c_str());
     ImGui::SameLine(0.62f * width);
@@ -166,12 +172,12 @@ void DeskLesson::summary(const Coach& c, int width, int height, bool& open, std:
         const auto same = std::find_if(tries[k].rows.begin(), tries[k].rows.end(),
                                        [&](const Attempt::Row& r) { return r.what == row.what; });
         if (same == tries[k].rows.end()) {
-          ImGui::TextColored(kQuiet, "-");
+          ImGui::TextColored(ink::quiet(), "-");
           continue;
         }
-        ImGui::PushStyleColor(ImGuiCol_Text, !same->judged      ? (same->shown ? kShown : kQuiet)
-                                             : same->share <= 1 ? kGood
-                                                                : kWarn);
+        ImGui::PushStyleColor(ImGuiCol_Text, !same->judged      ? (same->shown ? ink::shown() : ink::quiet())
+                                             : same->share <= 1 ? ink::good()
+                                                                : ink::warn());
         ImGui::TextWrapped("%s", same->value.c_str());
         ImGui::PopStyleColor();
       }
@@ -180,14 +186,16 @@ void DeskLesson::summary(const Coach& c, int width, int height, bool& open, std:
   }
   ImGui::Spacing();
   if (now.better.empty()) {
-    ImGui::TextColored(kGood, "%s", c.says().finished ? "Nothing to mend in this try." : "Nothing to mend so far.");
+    ImGui::TextColored(ink::good(), "%s",
+                       c.says().finished ? "Nothing to mend in this try." : "Nothing to mend so far.");
   } else {
-    ImGui::TextColored(kQuiet, "To do better");
+    ImGui::TextColored(ink::quiet(), "To do better");
     for (size_t i = 0; i < now.better.size(); ++i) ImGui::TextWrapped("%d  %s", int(i) + 1, now.better[i].c_str());
   }
   ImGui::Spacing();
-  ImGui::TextColored(kQuiet,
-                     "What the program has shown is not judged. The whole verdict comes when the session ends.");
+  ImGui::PushStyleColor(ImGuiCol_Text, ink::quiet());
+  ImGui::TextWrapped("What the program has shown is not judged. The whole verdict comes when the session ends.");
+  ImGui::PopStyleColor();
   ImGui::End();
 }
 

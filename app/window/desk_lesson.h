@@ -17,8 +17,9 @@ struct DeskLesson {
 
   /// In the panel beside the patient. `next`, `clean`, `summary`: set where a button asks for it.
   void steps(const Coach& coach, const char* title, float height, bool showing, bool& next, bool& clean, bool& summary);
-  /// Over the patient, from `y` down, between x and x + w. Returns where it ends; what it covers goes into `covered`.
-  float next_step(const Coach& coach, float x, float y, float w, std::vector<FrameRect>& covered);
+  /// Over the patient, from `y` down, between x and x + w, at most `most` high. Returns where it ends; what it covers
+  /// goes into `covered`.
+  float next_step(const Coach& coach, float x, float y, float w, float most, std::vector<FrameRect>& covered);
   /// How the stroke lies against the plan, above `bottom`.
   void stroke(const Coach& coach, float x, float w, float bottom);
   /// How it went: each try a column; three things to do better.

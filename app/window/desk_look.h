@@ -3,19 +3,43 @@
 // desk only.
 #include <imgui.h>
 
+#include <string>
+
 namespace limberg::desk_look {
 
-inline const ImVec4 kQuiet{0.66f, 0.72f, 0.74f, 1}, kGood{0.55f, 0.85f, 0.60f, 1}, kWarn{0.97f, 0.72f, 0.35f, 1},
-    kBad{0.98f, 0.45f, 0.40f, 1}, kNow{0.96f, 0.97f, 0.97f, 1}, kShown{0.55f, 0.76f, 0.95f, 1},
-    kHint{0.95f, 0.88f, 0.55f, 1};
+/// The colours of words. They stand in the style (window_style.h), in places that belong to widgets which no panel has,
+/// so that a set of colours is chosen once for all panels.
+namespace ink {
+inline ImVec4 of(ImGuiCol slot) { return ImGui::GetStyle().Colors[slot]; }
+inline constexpr ImGuiCol kSlot[] = {ImGuiCol_TextDisabled,     ImGuiCol_PlotLines, ImGuiCol_PlotLinesHovered,
+                                     ImGuiCol_DragDropTarget,   ImGuiCol_Text,      ImGuiCol_NavWindowingHighlight,
+                                     ImGuiCol_NavWindowingDimBg};
+inline ImVec4 quiet() { return of(kSlot[0]); }
+inline ImVec4 good() { return of(kSlot[1]); }
+inline ImVec4 warn() { return of(kSlot[2]); }
+inline ImVec4 bad() { return of(kSlot[3]); }
+inline ImVec4 plain() { return of(kSlot[4]); }
+inline ImVec4 shown() { return of(kSlot[5]); }
+inline ImVec4 hint() { return of(kSlot[6]); }
+}  // namespace ink
 
 inline constexpr ImGuiWindowFlags kPanel = ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
                                            ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings |
                                            ImGuiWindowFlags_NoTitleBar;
 
+/// What a thing does, while the mouse rests on it.
+inline void tip(const std::string& words) {
+  if (!ImGui::IsItemHovered()) return;
+  ImGui::BeginTooltip();
+  ImGui::PushTextWrapPos(300);
+  ImGui::TextUnformatted(words.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::EndTooltip();
+}
+
 inline void heading(const char* text) {
   ImGui::Spacing();
-  ImGui::TextColored(kQuiet, "%s", text);
+  ImGui::TextColored(ink::quiet(), "%s", text);
   ImGui::Separator();
 }
 

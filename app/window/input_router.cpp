@@ -1,14 +1,42 @@
 #include "app/window/input_router.h"
 
+#include <algorithm>
+
 namespace limberg {
 
 namespace {
 constexpr float kLiftPerNotch_mm = 1.5f;
 constexpr double kHandGains[] = {1, 0.5, 0.25, 2};
+constexpr double kCursorGains[] = {0, 1, 0.5, 0.25};
+constexpr float kLead_px = 8, kLeadFinely_px = 1;
 }  // namespace
+
+/// Keys that lead the mouse: its place, or its left button.
+bool InputRouter::lead(const WindowEvent& key) {
+  const FrameSeen& seen = feed_.seen.reading();
+  const DeskKey* k = key.kind == WindowEvent::key ? desk_key(key.code, key.mods) : nullptr;
+  if (!k || (k->hand != HandKey::lead && k->hand != HandKey::press) || seen.typing || seen.popup) return false;
+  if (!key.down) return true;
+  WindowEvent e;
+  e.by_keys = true;
+  if (k->hand == HandKey::lead) {
+    const float step = key.mods & WindowEvent::shift ? kLeadFinely_px : kLead_px;
+    const bool across = key.code == WindowEvent::arrow_left || key.code == WindowEvent::arrow_right;
+    const bool back = key.code == WindowEvent::arrow_left || key.code == WindowEvent::arrow_up;
+    e.x = std::clamp(x_ + (across ? back ? -step : step : 0), 0.0f, float(seen.width - 1));
+    e.y = std::clamp(y_ + (across ? 0 : back ? -step : step), 0.0f, float(seen.height - 1));
+  } else {
+    led_press_ = !led_press_;
+    e.kind = WindowEvent::button, e.code = 0, e.down = led_press_;
+  }
+  take(e);
+  return true;
+}
 
 void InputRouter::take(const WindowEvent& event) {
   feed_.seen.update();
+  if (lead(event)) return;
+  if (event.kind == WindowEvent::button && event.code == 0 && !event.by_keys) led_press_ = false;
   const FrameSeen& seen = feed_.seen.reading();
   if (event.kind == WindowEvent::pointer) x_ = event.x, y_ = event.y;
   Happened h;
@@ -126,12 +154,15 @@ void InputRouter::key(const DeskKey& k, const WindowEvent& e) {
   if (k.hand == HandKey::glove) {
     glove_cursor_ = !glove_cursor_;
     control(ControlSample::glove, glove_cursor_ ? kGlovePushesCursor : kGlovePoints);
+  } else if (k.hand == HandKey::cursor) {
+    cursor_ = (cursor_ + 1) % std::size(kCursorGains);
+    control(ControlSample::cursor, kCursorGains[cursor_]);
   } else if (k.hand == HandKey::gain) {
     const bool back = e.mods & WindowEvent::shift;
     gain_ = back ? 0 : (gain_ + 1) % std::size(kHandGains);
     control(ControlSample::hand_gain, back ? 0 : kHandGains[gain_]);
   } else if (k.hand == HandKey::tool) {
-    const Tool tool = tool_of_key(e.code)->tool;
+    const Tool tool = tool_of_key(e.code, e.mods)->tool;
     if (tool == choice_.tool) return;
     choice_.tool = tool;
     choose();

@@ -40,6 +40,7 @@ class InputRouter {
     PointerReading ray;     // from the frame that was seen
     bool on_panel = false;  // of that frame
   };
+  bool lead(const WindowEvent& key);
   void hear_panels();
   void go_on();
   void decide(Happened& h);
@@ -59,7 +60,9 @@ class InputRouter {
   std::deque<Happened> waiting_;     // for the panels' answer
   uint64_t number_ = 0, asked_ = 0;  // of the last event; of the last one that panels may answer
   float x_ = 0, y_ = 0;
-  bool of_panel_[3]{};  // the button went down on a panel
+  bool led_press_ = false;  // by a key
+  size_t cursor_ = 0;       // in kCursorGains
+  bool of_panel_[3]{};      // the button went down on a panel
   bool pressed_ = false, clutch_ = false, glove_cursor_ = false;
   std::optional<ShowActs> wanted_;                    // to be shown as soon as the hand has let go
   std::shared_ptr<const std::vector<Command>> acts_;  // being shown, or as soon as what was taken back is gone

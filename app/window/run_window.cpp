@@ -38,7 +38,8 @@ class MouseWindow final : public SessionWindow {
         router_(*screen_, feed_, call.mouse),
         headset_(call.headset),
         frames_(*screen_, feed_, &gauges_,
-                {facts(scene, call), scene_camera(scene), call.picture_dir, plan(call), call.mode, call.headset}) {
+                {facts(scene, call), scene_camera(scene), call.picture_dir, plan(call), call.mode, desk_memory_file(),
+                 call.headset}) {
     show_words(*screen_, scene.head ? "Making the head ..." : "Making the patient ...");
     screen_->on_event = [this](const WindowEvent& e) { router_.take(e); };
   }

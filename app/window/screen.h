@@ -27,7 +27,10 @@ struct WindowEvent {
     home,
     end,
     f1,
-    question
+    question,
+    f10,
+    page_up,
+    page_down
   };
   enum Mods : uint32_t { shift = 1, control = 2, alt = 4 };
   int32_t kind = pointer;
@@ -39,6 +42,7 @@ struct WindowEvent {
   uint64_t number = 0;      // in the order of all events
   bool for_panels = false;  // a button, the wheel: over a panel; a key: a text field has it
   bool for_hand = false;    // a key: the hand has heard it
+  bool by_keys = false;     // the mouse's place or button, led by keys
 };
 
 class Screen {

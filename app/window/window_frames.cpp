@@ -16,9 +16,12 @@
 #include "app/window/live_measures.h"
 #include "app/window/orbit.h"
 #include "app/window/painted.h"
+#include "app/window/pen_sheet.h"
 #include "app/window/plan_sheet.h"
 #include "app/window/ray_cast.h"
 #include "app/window/skull_view.h"
+#include "app/window/window_camera.h"
+#include "app/window/window_style.h"
 #include "render/picture.h"
 #include "render/renderer.h"
 #include "render/ui_painter.h"
@@ -37,58 +40,6 @@ constexpr int kStillLevel = kLiveLevels - 1;
 constexpr float kClearTool_mm = 14;  // so far above its tip a tool begins to be seen through
 constexpr int kRefreshFrames = 15;   // the figures on the panels move twice a second even when nothing else does
 
-int imgui_key(int32_t code) {
-  switch (code) {
-    case WindowEvent::tab:
-      return ImGuiKey_Tab;
-    case WindowEvent::arrow_left:
-      return ImGuiKey_LeftArrow;
-    case WindowEvent::arrow_right:
-      return ImGuiKey_RightArrow;
-    case WindowEvent::arrow_up:
-      return ImGuiKey_UpArrow;
-    case WindowEvent::arrow_down:
-      return ImGuiKey_DownArrow;
-    case WindowEvent::home:
-      return ImGuiKey_Home;
-    case WindowEvent::end:
-      return ImGuiKey_End;
-    case WindowEvent::remove:
-      return ImGuiKey_Delete;
-    case WindowEvent::backspace:
-      return ImGuiKey_Backspace;
-    case WindowEvent::enter:
-      return ImGuiKey_Enter;
-    case WindowEvent::escape:
-      return ImGuiKey_Escape;
-    case 'A':
-      return ImGuiKey_A;  // Ctrl: all of a text field
-    default:
-      return -1;
-  }
-}
-
-void set_style() {
-  ImGui::StyleColorsDark();
-  ImGuiStyle& s = ImGui::GetStyle();
-  s.FrameRounding = 3, s.ItemSpacing = {6, 4}, s.WindowPadding = {9, 8};
-  s.Colors[ImGuiCol_WindowBg] = {kPaper[0], kPaper[1], kPaper[2], kPaper[3]};
-  s.Colors[ImGuiCol_Header] = {0.16f, 0.42f, 0.48f, 1};
-  s.Colors[ImGuiCol_HeaderHovered] = {0.20f, 0.48f, 0.55f, 1};
-  s.Colors[ImGuiCol_Button] = {0.16f, 0.30f, 0.34f, 1};
-  s.Colors[ImGuiCol_ButtonHovered] = {0.22f, 0.42f, 0.48f, 1};
-  s.Colors[ImGuiCol_FrameBg] = {0.14f, 0.20f, 0.22f, 1};
-  s.Colors[ImGuiCol_TitleBg] = s.Colors[ImGuiCol_TitleBgActive] = {0.11f, 0.24f, 0.28f, 1};
-  s.Colors[ImGuiCol_CheckMark] = {0.55f, 0.85f, 0.60f, 1};
-  s.Colors[ImGuiCol_FrameBgHovered] = s.Colors[ImGuiCol_FrameBgActive] = {0.18f, 0.28f, 0.31f, 1};
-  s.Colors[ImGuiCol_ButtonActive] = s.Colors[ImGuiCol_HeaderActive] = {0.26f, 0.52f, 0.58f, 1};
-  s.Colors[ImGuiCol_Tab] = {0.11f, 0.20f, 0.23f, 1};
-  s.Colors[ImGuiCol_TabActive] = {0.16f, 0.42f, 0.48f, 1};
-  s.Colors[ImGuiCol_TabHovered] = {0.20f, 0.48f, 0.55f, 1};
-  s.Colors[ImGuiCol_SliderGrab] = s.Colors[ImGuiCol_SliderGrabActive] = {0.35f, 0.65f, 0.70f, 1};
-  s.Colors[ImGuiCol_TextSelectedBg] = {0.16f, 0.42f, 0.48f, 0.7f};
-}
-
 }  // namespace
 
 struct WindowFrames::Impl {
@@ -100,6 +51,11 @@ struct WindowFrames::Impl {
   LiveMeasures measures;
   std::optional<Coach> coach;
   PlanSheet sheet;
+  PenSheet pen;
+  ActHistory acts;
+  DeskMemory remembered;  // as it stands in the file
+  DeskColours colours = DeskColours::dark;
+  bool by_keys = false;                 // keys have led the tool last
   size_t staged = 0;                    // steps of the lesson whose stage was told
   std::optional<Snapshot> earlier_try;  // as it was left; before and after compare with it
   const Snapshot* now = nullptr;        // during a frame
@@ -142,20 +98,36 @@ struct WindowFrames::Impl {
   Impl(HandFeed& f, const LaneGauges* g, WindowSettings s)
       : feed(f), gauges(g), set(std::move(s)), desk(set.facts), camera(set.camera) {
     if (set.lesson) coach.emplace(std::move(*set.lesson), set.mode);
+    remember();
     desk.state.tension_lines = coach && coach->mode() == LessonMode::guided && set.facts.skin && !set.facts.head;
   }
 
-  /// The camera for a frame of this shape: a narrow one sees as much from left to right as one of 5 by 4.
-  Camera seen(double aspect) const {
-    constexpr double kWide = 1.25, kDegree = 3.14159265358979 / 180;
-    Camera c = camera;
-    if (aspect < kWide)
-      c.fov_deg = float(2 / kDegree * std::atan(std::tan(0.5 * kDegree * double(camera.fov_deg)) * kWide / aspect));
-    return c;
+  /// What an earlier session has left; the tour where there was none.
+  void remember() {
+    if (set.memory_file.empty()) return;
+    try {
+      desk.state.memory = remembered = read_desk_memory(set.memory_file);
+    } catch (const InputError& e) {
+      desk.say(e.what());
+    }
+    if (!remembered.toured) desk.state.tour.begin();
+  }
+  void keep_memory() {
+    DeskMemory& m = desk.state.memory;
+    if (!desk.state.tour.open()) m.toured |= !set.memory_file.empty();
+    if (m == remembered || set.memory_file.empty()) return;
+    remembered = m;
+    try {
+      write_desk_memory(set.memory_file, m);
+    } catch (const InputError& e) {
+      desk.say(e.what());
+    }
   }
 
+  DeskStage stage(int width, int height) const { return desk_stage(width, height, scale, desk.state.history); }
+  Camera seen(double aspect) const { return fitted(camera, aspect); }
   View look(int width, int height) const {
-    const DeskStage g = desk_stage(width, height);
+    const DeskStage g = stage(width, height);
     return seen(g.aspect).view(g.aspect).placed(g.u0, g.v0, g.u1, g.v1);
   }
 
@@ -173,10 +145,10 @@ struct WindowFrames::Impl {
     switch (e.kind) {
       case WindowEvent::pointer: {
         const float dx = e.x - x, dy = e.y - y;
-        x = e.x, y = e.y;
+        x = e.x, y = e.y, by_keys = e.by_keys;
         io.MousePos = {x / scale, y / scale};
         if (turning) turn(camera, kRadiansPerPixel * dx, kRadiansPerPixel * dy);
-        if (shifting) shift(camera, dx, dy, int(desk_stage(width, height).v1 * float(height)));
+        if (shifting) shift(camera, dx, dy, int((stage(width, height).v1 - stage(width, height).v0) * float(height)));
         break;
       }
       case WindowEvent::button: {
@@ -208,7 +180,7 @@ struct WindowFrames::Impl {
         if (imgui_key(e.code) >= 0) io.KeysDown[e.code] = e.down;
         if (e.for_hand)
           mirror(e);
-        else if (e.down && !e.for_panels)
+        else if (e.down && (!e.for_panels || leads_panels(e)))
           desk.key(e.code, e.mods);
         break;
       case WindowEvent::text:
@@ -222,11 +194,19 @@ struct WindowFrames::Impl {
     }
   }
 
+  /// A key that ends what has the keys.
+  bool leads_panels(const WindowEvent& e) const {
+    if (ImGui::GetIO().WantTextInput) return false;
+    return e.code == WindowEvent::f10 || e.code == WindowEvent::escape ||
+           (desk.state.tour.open() && e.code == WindowEvent::enter);
+  }
+
   /// A key that the hand has heard: what is seen of it.
   void mirror(const WindowEvent& e) {
     const DeskKey* k = desk_key(e.code, e.mods);
     if (!k) return;
-    if (k->hand == HandKey::tool && e.down) desk.took(tool_of_key(e.code)->tool);
+    if (k->hand == HandKey::tool && e.down) desk.took(tool_of_key(e.code, e.mods)->tool);
+    if (k->hand == HandKey::cursor && e.down) desk.say("the surface cursor of a stylus has another gain, or is off");
     if (k->hand == HandKey::clutch) desk.say(e.down ? "clutch: the hands move, what they hold does not" : "");
   }
 
@@ -251,6 +231,17 @@ struct WindowFrames::Impl {
     if (d.tool_changed) feed.answers.push(static_cast<const HandChoice&>(d));
     if (d.undo) plain(ControlSample::undo);
     if (d.redo) plain(ControlSample::redo);
+    if (d.go_to && !feed.showing) {
+      constexpr size_t kAtOnce = 200;  // of the room in the ring
+      const size_t standing = acts.standing(), wanted = std::min(*d.go_to, acts.entries().size());
+      for (size_t i = 0; i < std::min(kAtOnce, wanted > standing ? wanted - standing : standing - wanted); ++i)
+        plain(wanted > standing ? ControlSample::redo : ControlSample::undo);
+    }
+    d.go_to.reset();
+    if (d.turn_x != 0 || d.turn_y != 0)
+      turn(camera, kRadiansPerPixel * d.turn_x, kRadiansPerPixel * d.turn_y), d.turn_x = d.turn_y = 0;
+    if (d.nearer != 0) approach(camera, std::pow(0.9f, float(d.nearer))), d.nearer = 0;
+    keep_memory();
     if (d.release_hook > 0) {
       ControlSample c;
       c.kind = ControlSample::release_hook, c.value[0] = d.release_hook;
@@ -304,49 +295,6 @@ struct WindowFrames::Impl {
     }
   }
 
-  /// On a body that is not flat the first view is of the lesson's plan, wherever the scene's camera looks.
-  void look_at_plan(const Snapshot& s) {
-    constexpr double kSeen = 0.55;                     // cosine: so obliquely is a plan still seen well
-    constexpr float kShare = 0.4f, kNearest_mm = 130;  // of the height of the picture that the plan fills
-    if (!has_surface(s) || !s.topology->body || s.topology->body->is_box) return;
-    SkinChart chart;
-    chart.build(*s.topology);
-    Vec3 centre = Vec3::Zero(), normal = Vec3::Zero();
-    std::vector<Vec3> places;
-    for (const PlannedAct& a : coach->plan().acts)
-      if (const auto line = drawn_line(a.command))
-        for (const ChartPoint& p : line->path)
-          if (const SkinTouch at = chart.at(s, p, 2); at.triangle >= 0)
-            places.push_back(at.x_mm), centre += at.x_mm, normal += at.normal;
-    if (places.size() < 2 || !(normal.norm() > 1e-6)) return;
-    centre /= double(places.size()), normal.normalize();
-    double reach = 0;
-    for (const Vec3& p : places) reach = std::max(reach, (p - centre).norm());
-    if ((camera.eye_mm.cast<double>() - centre).normalized().dot(normal) > kSeen &&
-        (camera.eye_mm.cast<double>() - centre).norm() < 12 * reach)
-      return;
-    const float half = std::tan(0.5f * camera.fov_deg * float(M_PI) / 180);
-    const float far_mm = std::max(kNearest_mm, float(reach) / (kShare * half));
-    camera.target_mm = centre.cast<float>(), camera.eye_mm = (centre + double(far_mm) * normal).cast<float>();
-    approach(camera, 1);
-    set.camera = camera;
-  }
-
-  /// The eye stays outside of the tissue: on the way from what is looked at it stops 12 mm before the outermost skin.
-  void keep_out(const Snapshot& s) {
-    constexpr float kFar_mm = 3000, kRoom_mm = 12;
-    if (!has_surface(s) || (camera.eye_mm - guarded_mm).norm() < 1e-3f) return;
-    const Vec3f arm = camera.eye_mm - camera.target_mm;
-    const float far_mm = arm.norm();
-    if (far_mm > 0) {
-      const Vec3f out = arm / far_mm;
-      const RayHit hit = cast_ray(s, camera.target_mm + kFar_mm * out, -out, desk.state.face == 2);
-      const float least = kFar_mm - hit.distance_mm + kRoom_mm;
-      if (hit.triangle >= 0 && far_mm < least) approach(camera, least / far_mm);
-    }
-    guarded_mm = camera.eye_mm;
-  }
-
   /// What the person sees now, and that everything up to the last event has been answered.
   void tell(const View& view, int width, int height) {
     FrameSeen& f = feed.seen.writing();
@@ -357,7 +305,8 @@ struct WindowFrames::Impl {
       f.panel[i] = {r.x0 * scale, r.y0 * scale, r.x1 * scale, r.y1 * scale};
     }
     f.popup = desk.popup();
-    f.typing = ImGui::GetIO().WantTextInput && ImGui::IsAnyItemActive();
+    f.typing = (ImGui::GetIO().WantTextInput && ImGui::IsAnyItemActive()) ||
+               desk.state.keys != DeskState::Keys::patient || desk.state.tour.open();
     feed.seen.publish();
     feed.answered.store(taken, std::memory_order_release);
   }
@@ -420,6 +369,9 @@ struct WindowFrames::Impl {
       if (const Vec3f px = view.to_pixel(l.at_mm, width, height); px.allFinite() && desk.state.compare == Compare::off)
         out.push_back({px.x() / scale, px.y() / scale, l.text, hidden(l.at_mm),
                        l.limit ? DeskMark::Kind::limit : DeskMark::Kind::letter});
+    for (const PenSheet::Length& l : pen.lengths())
+      if (const Vec3f px = view.to_pixel(l.at_mm, width, height); px.allFinite() && desk.state.compare == Compare::off)
+        out.push_back({px.x() / scale, px.y() / scale, l.text, hidden(l.at_mm), DeskMark::Kind::length});
     if (!set.facts.head) return out;
     const std::vector<std::string>& names = s.topology->landmark;
     for (size_t i = 0; i < std::min(names.size(), s.landmark_mm.size()); ++i) {
@@ -436,7 +388,7 @@ struct WindowFrames::Impl {
   }
 
   void paint_patient(const RenderScene& now, int at_level, int width, int height) {
-    const DeskStage g = desk_stage(width, height);
+    const DeskStage g = stage(width, height);
     const auto placed = [&](const View& v) { return v.placed(g.u0, g.v0, g.u1, g.v1); };
     DrawOptions o = options(at_level, width, height);
     const View whole = placed(seen(g.aspect).view(g.aspect));
@@ -469,13 +421,14 @@ struct WindowFrames::Impl {
   /// Letters as large as they are drawn, so that they are sharp.
   void fit_panels(int width, int height) {
     ImGuiIO& io = ImGui::GetIO();
-    if (const float wanted = desk_scale(width, height); wanted != scale) {
+    if (const float wanted = desk_scale(width, height, desk.state.memory.letters_percent); wanted != scale) {
       scale = wanted;
       io.Fonts->Clear();
       choose_ui_font(kFontPx * scale);
       io.FontGlobalScale = 1 / scale;
       ui = std::make_unique<UiPainter>(renderer->functions());
     }
+    if (colours != desk.state.memory.colours) set_style(colours = desk.state.memory.colours);
     io.DisplaySize = {float(width) / scale, float(height) / scale};
     io.DeltaTime = 1.0f / 30;
   }
@@ -508,6 +461,10 @@ struct WindowFrames::Impl {
       builder.add_props(sheet.props());
       builder.add_lines(sheet.lines());
     }
+    pen.follow(tool);
+    pen.draw(s);
+    builder.add_props(pen.props());
+    if (Tool(tool.tool) == Tool::swab && tool.valid) builder.show_beds(s);
     field = desk.state.field == SkinField::none ? nullptr : &fields.show(desk.state.field, s);
     builder.show_field(field ? field->value : std::vector<float>());
     const Snapshot* beside = desk.state.head.beside == SkullBeside::off ? skull.show(SkullBeside::off, s, s)
@@ -553,6 +510,13 @@ struct WindowFrames::Impl {
     }
     if (set.facts.head) r.measures = &measures.read(s);
     r.marks = marks(s, view, width, height);
+    r.pointed = by_keys, r.point_x = x / scale, r.point_y = y / scale;
+    if (desk.state.history) {
+      r.acts = &acts;
+      r.act_picture = [this](const ActHistory::Entry& e) -> void* {
+        return e.picture.empty() ? nullptr : ui->picture(3 * e.number + uint64_t(e.taken), e.picture);
+      };
+    }
     std::vector<Vec3f> ruler_px;
     for (const Vec3f& p : r.ruler.at_mm) ruler_px.push_back(view.to_pixel(p, width, height) / scale);
     const ImVec2 size = ImGui::GetIO().DisplaySize;
@@ -576,6 +540,18 @@ struct WindowFrames::Impl {
     if (const auto* c = std::get_if<ControlSample>(&said)) feed.answers.push(*c);
   }
 
+  /// Of the act that was done last, at once and again when the tissue has come to rest.
+  void keep_act_picture(int width, int height) {
+    ActHistory::Entry* const e = acts.unseen(at_leisure);
+    if (!e || desk.state.compare != Compare::off || desk.state.stereo != Stereo::off) return;
+    const DeskStage g = stage(width, height);
+    const auto px = [](float u, int n) { return int(u * float(n)); };
+    renderer->compose(width, height);
+    e->picture = thumbnail(renderer->read(), px(g.u0, width), px(g.v0, height), px(g.u1, width), px(g.v1, height),
+                           2 * DeskHistory::kPictureWidth, 2 * DeskHistory::kPictureHeight);
+    e->taken = at_leisure ? 2 : 1;
+  }
+
   /// The patient, where it would look different or finer than it stands. True: it has changed.
   bool paint_changed(const RenderScene& scene, const View& view, int width, int height) {
     if (desk.state.picture) {  // the patient alone, as well as it can be drawn
@@ -597,6 +573,7 @@ struct WindowFrames::Impl {
       paint_patient(scene, level, width, height);
       painted.note(scene, wish);
       ++drawn;
+      keep_act_picture(width, height);
       quiet = 0;
     }
     return !same;
@@ -618,7 +595,7 @@ struct WindowFrames::Impl {
     take_waiting(s, width, height);
     if (!first) {
       first = s;
-      if (coach) look_at_plan(s);
+      if (coach && look_at_plan(camera, coach->plan(), s)) set.camera = camera;
     }
     hand = tool, now = &s;
     if (coach) {
@@ -629,7 +606,7 @@ struct WindowFrames::Impl {
     }
     if (s.topology) desk.state.head.see(s.topology->landmark, s.landmark_mm);
     carry_out();
-    keep_out(s);
+    keep_out_of(s, desk.state.face == 2, camera, guarded_mm);
 
     const View view = look(width, height);
     const RenderScene& scene = build_scene(s, tool);
@@ -664,9 +641,11 @@ void WindowFrames::prepare(const SurfaceTopology&) {
   ImGui::SetCurrentContext(i.panels);
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;  // nothing is kept between sessions
-  for (int32_t code = 'A'; code <= WindowEvent::end; ++code)
+  io.KeyMap[ImGuiKey_Space] = WindowEvent::space;
+  for (int32_t code = 'A'; code <= WindowEvent::page_down; ++code)
     if (imgui_key(code) >= 0) io.KeyMap[imgui_key(code)] = code;
-  set_style();
+  set_style(i.colours = i.desk.state.memory.colours);
+  io.ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
   choose_ui_font(kFontPx);
   i.ui = std::make_unique<UiPainter>(i.renderer->functions());
 }
@@ -681,6 +660,8 @@ void WindowFrames::frame(const Snapshot& snapshot, const ToolState& tool) {
 
 void WindowFrames::notice(const Notice& notice) {
   impl_->desk.notice(notice);
+  impl_->acts.hear(notice);
+  if (notice.kind == Notice::done && notice.command) impl_->pen.hear(*notice.command);
   if (impl_->coach) impl_->coach->hear(notice);
   impl_->unseen = 2;
 }

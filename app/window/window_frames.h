@@ -27,6 +27,7 @@ struct WindowSettings {
   std::string picture_dir = ".";  // where pictures asked for are put: limberg-1.png, never replacing a file
   std::optional<LessonPlan> lesson = {};
   LessonMode mode = LessonMode::guided;
+  std::string memory_file = {};  // what is remembered (desk_memory.h); empty: nothing, and there is no tour
   std::shared_ptr<HeadsetShared> headset = nullptr;  // its tablet shows the window's frames; null: there is none
 };
 

@@ -20,9 +20,10 @@ using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Bits = py::array_t<uint32_t, py::array::c_style | py::array::forcecast>;
 
 const char* tool_name(Tool t) {
-  static const char* const kNames[] = {"none",   "scalpel",    "undermine", "excise", "hook",
-                                       "suture", "suture_row", "scissors",  "saw",    "grab"};
-  return kNames[std::clamp(int(t), 0, int(Tool::grab))];
+  static const char* const kNames[] = {
+      "none", "scalpel", "undermine",     "excise",        "hook",           "suture",   "suture_row", "scissors",
+      "saw",  "grab",    "suture_buried", "suture_corner", "suture_running", "hook_out", "marker",     "swab"};
+  return kNames[std::clamp(int(t), 0, int(kLastTool))];
 }
 
 /// Columns of the readings of one kind.

@@ -102,4 +102,11 @@ struct SutureBetween {
 struct CutSuture {
   StitchPick which;
 };
+/// A line drawn on the skin with a pen, or what a swab wipes off: every line of the pen within kWiped_mm of the path.
+/// Nothing of the tissue changes.
+struct Mark {
+  static constexpr double kWiped_mm = 4;
+  std::vector<ChartPoint> path;  // one point: a dot
+  bool wipes = false;
+};
 }  // namespace limberg

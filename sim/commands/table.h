@@ -433,6 +433,22 @@ struct Act<Shown> {
   static std::string words(const Shown& c) { return c.begins ? "shown by the program:" : "end of what was shown"; }
 };
 
+template <>
+struct Act<Mark> {
+  static constexpr const char* name = "mark";
+  static constexpr Needs needs = Needs::skin;
+  static constexpr bool leaves_patient = true;
+  static constexpr const char* help = "A line on the skin, drawn with a pen; the tissue stays as it is.";
+  static constexpr const char* example = R"({"action":"mark","path":[[-10,5],[10,5]]})";
+  static void fields(auto& v, auto& c) {
+    v(Field::path("path", 1, "where the pen passes"), c.path);
+    v(Field::flag("wipes", false, "a swab wipes off every line within 4 mm of the path"), c.wipes);
+  }
+  static std::string words(const Mark& c) {
+    return c.wipes ? "lines of the pen wiped off" : fmt::format("pen: a line of {:.1f} mm", path_length(c.path));
+  }
+};
+
 }  // namespace limberg
 
 #include "sim/commands/table_head.h"

@@ -55,6 +55,7 @@ Outcome World::act(const Command& command) {
   if (std::holds_alternative<Redo>(command)) return redo();
   if (std::holds_alternative<Stage>(command)) return ++stage_, Outcome{true, {}};
   if (std::holds_alternative<Wait>(command) || std::holds_alternative<Shown>(command)) return {true, {}};
+  if (std::holds_alternative<Mark>(command) && skin_) return {true, {}};
   past_->make_room();
   const auto take = [&](auto&& acted) -> Outcome {
     if (acted.ends_redo) past_->end_redo();

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "app/assembly/desk_memory.h"
 #include "app/assembly/lesson.h"
 #include "app/assembly/repro.h"
 #include "app/class/class_page.h"
@@ -227,6 +228,16 @@ Entry member_entry(const Folder& folder) {
                     });
 }
 
+Entry window_memory_entry(const Folder& folder) {
+  return path_entry(
+      "window_memory", folder, "window.toml", {"app/assembly/desk_memory.cpp"},
+      {"toured = true\nletters_percent = 125\ncolours = \"light\"\n", "colours = \"dark\"\n"},
+      [](const std::string& path) -> std::string {
+        const DeskMemory m = read_desk_memory(path);
+        return m.letters_percent >= 75 && m.letters_percent <= DeskMemory::kLargest_percent ? "" : "letters of no size";
+      });
+}
+
 Entry trials_entry() {
   bench::AccuracyTrial t;
   t.cell_mm = 3.5, t.iterations = 8, t.nodes = 100, t.frame_ms = 1.25;
@@ -297,6 +308,7 @@ std::vector<Entry> text_entries(const Folder& folder) {
   all.push_back(calibration_entry());
   all.push_back(repro_entry());
   all.push_back(operating_point_entry(folder));
+  all.push_back(window_memory_entry(folder));
   all.push_back(model_entry());
   all.push_back(result_entry(folder));
   all.push_back(comparison_entry(folder));

@@ -50,6 +50,21 @@ int32_t key_of(int glfw) {
       return WindowEvent::home;
     case GLFW_KEY_END:
       return WindowEvent::end;
+    case GLFW_KEY_F10:
+      return WindowEvent::f10;
+    case GLFW_KEY_PAGE_UP:
+      return WindowEvent::page_up;
+    case GLFW_KEY_PAGE_DOWN:
+      return WindowEvent::page_down;
+    case GLFW_KEY_MINUS:
+    case GLFW_KEY_KP_SUBTRACT:
+      return '-';
+    case GLFW_KEY_EQUAL:
+    case GLFW_KEY_KP_ADD:
+      return '=';
+    case GLFW_KEY_LEFT_BRACKET:
+    case GLFW_KEY_RIGHT_BRACKET:
+      return glfw;
     case GLFW_KEY_F1:
       return WindowEvent::f1;
     default:

@@ -132,7 +132,7 @@ TEST_F(LessonWindow, AsksAnswersShowsAndSumsUp) {
   w.done(w.frames->coach()->plan().acts[0].command);
   w.settle();
   ASSERT_NE(w.frames->coach()->says().question, nullptr);
-  w.click(192, 64);  // the first answer
+  w.click(196, 86);  // the first answer
   EXPECT_EQ(w.frames->coach()->says().question, nullptr);
   EXPECT_EQ(w.frames->coach()->says().answer.substr(0, 5), "Right");
   w.shoot("rhomboid-answered");

@@ -1,0 +1,39 @@
+#pragma once
+// What the marker pen has drawn on the skin: lines of the skin, which go with it, and how long each is. A swab wipes
+// off what it passes.
+#include <string>
+#include <vector>
+
+#include "devices/skin_chart.h"
+#include "devices/tool_event.h"
+#include "render/props.h"
+#include "sim/commands/command.h"
+
+namespace limberg {
+
+class PenSheet {
+ public:
+  /// An act of the pen or of the swab; every other is passed over.
+  void hear(const Command& command);
+  /// The pen is here: what it draws is seen at once, and is a line when the act is heard of.
+  void follow(const ToolState& hand);
+
+  struct Length {
+    Vec3f at_mm = Vec3f::Zero();  // the line's end
+    std::string text;             // along the line, now and at rest
+  };
+  /// What is to be drawn over this patient. Over a hole a line is broken.
+  void draw(const Snapshot& patient);
+  const PropMesh& props() const { return props_; }
+  const std::vector<Length>& lengths() const { return lengths_; }
+  size_t lines() const { return lines_.size(); }
+
+ private:
+  std::vector<std::vector<ChartPoint>> lines_;
+  std::vector<Vec3f> wet_;  // of the line that is being drawn
+  SkinChart chart_;
+  PropMesh props_;
+  std::vector<Length> lengths_;
+};
+
+}  // namespace limberg

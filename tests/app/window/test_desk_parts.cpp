@@ -1,0 +1,101 @@
+// What the window keeps of a session beside the patient: the list of acts, and what the pen has drawn.
+#include <gtest/gtest.h>
+
+#include "app/window/act_history.h"
+#include "app/window/pen_sheet.h"
+#include "tests/devices/flat_patient.h"
+
+namespace limberg {
+namespace test_desk_parts {
+
+Notice of(int32_t kind, const Command& c = Undo{}, const std::string& words = "") {
+  Notice n;
+  n.kind = kind, n.command = std::make_shared<const Command>(c);
+  Notice::put(n.text, words);
+  return n;
+}
+
+TEST(ActHistory, GoesBackAndForthAndForgetsWhatAnotherActReplaces) {
+  ActHistory h;
+  h.hear(of(Notice::done, Incise{}, "first"));
+  h.hear(of(Notice::done, SetHook{}, "a hook is no entry"));
+  h.hear(of(Notice::done, Stage{"cut"}));
+  h.hear(of(Notice::done, Mark{}));
+  h.hear(of(Notice::refused, Incise{}));
+  h.hear(of(Notice::done, Excise{}, "second"));
+  h.hear(of(Notice::done, Suture{}, "third"));
+  ASSERT_EQ(h.entries().size(), 3u);
+  h.hear(of(Notice::undone)), h.hear(of(Notice::undone));
+  EXPECT_EQ(h.standing(), 1u);
+  EXPECT_EQ(h.entries().size(), 3u);
+  h.hear(of(Notice::redone));
+  EXPECT_EQ(h.standing(), 2u);
+  h.hear(of(Notice::done, Suture{}, "another"));
+  ASSERT_EQ(h.entries().size(), 3u);
+  EXPECT_EQ(h.entries()[1].text, "second");
+  EXPECT_EQ(h.entries()[2].text, "another");
+  EXPECT_EQ(h.standing(), 3u);
+}
+
+TEST(ActHistory, PiecesOfAStrokeAreOneAct) {
+  ActHistory h;
+  InciseMore piece;
+  for (const int stroke : {1, 1, 1, 2}) piece.stroke = stroke, h.hear(of(Notice::done, piece));
+  EXPECT_EQ(h.entries().size(), 2u);
+  EXPECT_EQ(h.standing(), 2u);
+}
+
+TEST(ActHistory, WantsAPictureAtOnceAndOneAtRest) {
+  ActHistory h;
+  EXPECT_EQ(h.unseen(true), nullptr);
+  h.hear(of(Notice::done, Incise{}));
+  ASSERT_NE(h.unseen(false), nullptr);
+  h.unseen(false)->taken = 1;
+  EXPECT_EQ(h.unseen(false), nullptr);
+  ASSERT_NE(h.unseen(true), nullptr);
+  h.unseen(true)->taken = 2;
+  EXPECT_EQ(h.unseen(true), nullptr);
+}
+
+TEST(Thumbnail, KeepsTheMiddleAndTheMeanColour) {
+  Image image(200, 100, {10, 20, 30});
+  for (int y = 0; y < 100; ++y)
+    for (int x = 100; x < 200; ++x) image.set(x, y, {210, 120, 130});
+  const Image small = thumbnail(image, 0, 0, 200, 100, 20, 20);
+  ASSERT_EQ(small.width, 20);
+  EXPECT_EQ(small.at(4, 10), (Rgb8{10, 20, 30}));
+  EXPECT_EQ(small.at(15, 10), (Rgb8{210, 120, 130}));
+}
+
+TEST(PenSheet, ALineIsMeasuredAsTheSkinLiesAndAtRest) {
+  const auto topology = test::flat_topology(60, 1);
+  const Snapshot stretched = test::snapshot_of(topology, [](const Vec3& X) { return Vec3(1.5 * X.x(), X.y(), 0); });
+  PenSheet pen;
+  pen.hear(Mark{{{-10, 3}, {10, 3}}, false});
+  pen.hear(Mark{{{0, 20}}, false});  // a dot
+  pen.draw(stretched);
+  ASSERT_EQ(pen.lengths().size(), 1u);
+  EXPECT_EQ(pen.lengths()[0].text, "30.0 mm (20.0 at rest)");
+  EXPECT_NEAR(pen.lengths()[0].at_mm.x(), 15, 0.1);
+  EXPECT_FALSE(pen.props().vertex.empty());
+  pen.draw(test::snapshot_of(topology));
+  EXPECT_EQ(pen.lengths()[0].text, "20.0 mm");
+}
+
+TEST(PenSheet, ASwabWipesOffWhatItPasses) {
+  PenSheet pen;
+  pen.hear(Mark{{{-10, 0}, {10, 0}}, false});
+  pen.hear(Mark{{{-10, 12}, {10, 12}}, false});
+  pen.hear(Mark{{{0, 30}}, false});
+  pen.hear(Incise{});
+  ASSERT_EQ(pen.lines(), 3u);
+  pen.hear(Mark{{{0, -20}, {0, -5}}, true});  // too far from each
+  EXPECT_EQ(pen.lines(), 3u);
+  pen.hear(Mark{{{4, -3}, {4, 3}}, true});
+  EXPECT_EQ(pen.lines(), 2u);
+  pen.hear(Mark{{{1, 29}}, true});
+  EXPECT_EQ(pen.lines(), 1u);
+}
+
+}  // namespace test_desk_parts
+}  // namespace limberg

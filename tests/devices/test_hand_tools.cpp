@@ -1,0 +1,191 @@
+// The tools that a hand chooses: what a press, a way and letting go mean with each, on flat skin.
+#include <gtest/gtest.h>
+
+#include "devices/command_builder.h"
+#include "devices/emulator.h"
+#include "devices/gestures.h"
+#include "sim/commands/script.h"
+#include "tests/devices/flat_patient.h"
+
+namespace limberg {
+namespace test_hand_tools {
+
+using namespace test;
+
+/// Two squares of skin with a slit of 2 mm along x = 0 between them, whose sides are edges of a wound.
+Snapshot slit() {
+  auto t = flat_topology(60, 1, [](double x, double) { return std::abs(x) < 2; });
+  auto& view = const_cast<SurfaceTopology&>(*t).view;
+  for (size_t k = 0; k < view.tri.size(); ++k) {
+    uint8_t rim = 0;
+    for (size_t c = 0; c < 3; ++c) {
+      const double a = view.X_mm[size_t(view.tri[k][c])].x(), b = view.X_mm[size_t(view.tri[k][(c + 1) % 3])].x();
+      if (view.kind[k] == FaceKind::skin && std::abs(a) == 2 && a == b) rim |= uint8_t(1 << c);
+    }
+    view.rim.push_back(rim);
+  }
+  return snapshot_of(t);
+}
+
+struct Missed final : EventSink {
+  std::vector<MissedPress> all;
+  std::vector<ToolEvent> events;
+  bool push(const ToolEvent& e) override { return events.push_back(e), true; }
+  void missed(const MissedPress& m) override { all.push_back(m); }
+};
+
+struct Hand {
+  Snapshot s;
+  Gestures g;
+  Missed out;
+  CommandBuilder builder;
+  std::vector<Command> done;
+  int64_t tick = 0;
+  bool before = false;
+  size_t built = 0;
+
+  explicit Hand(Snapshot patient) : s(std::move(patient)) {}
+  void choose(Tool tool, double depth_mm = 0, double spacing_mm = 0) {
+    ControlSample c;
+    c.tool = tool, c.value[kDepth] = depth_mm, c.value[kSpacing] = spacing_mm;
+    g.control(c, tick, s, out);
+    build();
+  }
+  void at(double x, double y, bool pressed, double z = 0, int ticks = 120) {
+    Pose p;
+    p.tip_mm = Vec3(x, y, z), p.valid = true;
+    for (int i = 0; i < ticks; ++i) g.tick(tick++, p, pressed, pressed != before, s, out), before = pressed;
+    build();
+  }
+  void draw(double x0, double y0, double x1, double y1) {
+    at(x0, y0, false), at(x0, y0, true);
+    for (int i = 1; i <= 60; ++i) at(x0 + (x1 - x0) * i / 60, y0 + (y1 - y0) * i / 60, true, 0, 4);
+    at(x1, y1, true), at(x1, y1, false);
+  }
+  void build() {
+    for (; built < out.events.size(); ++built)
+      if (auto c = builder.feed(out.events[built])) done.push_back(*c);
+  }
+  template <class C>
+  const C* last() const {
+    return done.empty() ? nullptr : std::get_if<C>(&done.back());
+  }
+};
+
+TEST(HandTools, ABuriedStitchHasTheDepthThatWasChosenAndASingleOneNone) {
+  Hand h(slit());
+  for (const auto& [tool, depth] : {std::pair(Tool::suture, 0.0), {Tool::suture_buried, 1.5}}) {
+    h.choose(tool, 1.5);
+    h.at(-3, 5, false), h.at(-3, 5, true);
+    EXPECT_EQ(h.g.state().bites, 1);
+    EXPECT_NEAR(h.g.state().bite_mm[0][0], -3, 0.01) << "where the thread is seen to leave the skin";
+    h.at(3, 5, true), h.at(3, 5, false);
+    EXPECT_EQ(h.g.state().bites, 0);
+    const auto* s = h.last<Suture>();
+    ASSERT_NE(s, nullptr);
+    EXPECT_EQ(s->depth_mm, depth);
+    EXPECT_NEAR(s->a.x(), -3, 0.01);
+    EXPECT_NEAR(s->b.x(), 3, 0.01);
+  }
+}
+
+TEST(HandTools, ACornersStitchTakesBankTipAndBank) {
+  Hand h(slit());
+  h.choose(Tool::suture_corner, 1);
+  h.at(-3, -4, false), h.at(-3, -4, true);
+  h.at(3, 0, true), h.at(3, 0, false);
+  EXPECT_TRUE(h.done.empty()) << "two bites are no corner's stitch";
+  EXPECT_EQ(h.g.state().bites, 2);
+  h.at(-3, 4, false), h.at(-3, 4, true), h.at(-3, 4, false);
+  const auto* c = h.last<SutureCorner>();
+  ASSERT_NE(c, nullptr);
+  EXPECT_NEAR((c->a - ChartPoint(-3, -4)).norm(), 0, 0.01);
+  EXPECT_NEAR((c->tip - ChartPoint(3, 0)).norm(), 0, 0.01);
+  EXPECT_NEAR((c->b - ChartPoint(-3, 4)).norm(), 0, 0.01);
+  EXPECT_EQ(c->depth_mm, 1);
+  // Begun and given up for another tool: nothing is left of it.
+  h.at(-3, -4, false), h.at(-3, -4, true), h.at(3, 0, true), h.at(3, 0, false);
+  h.choose(Tool::suture);
+  EXPECT_EQ(h.g.state().bites, 0);
+  h.at(-3, 9, false), h.at(-3, 9, true), h.at(3, 9, true), h.at(3, 9, false);
+  EXPECT_NE(h.last<Suture>(), nullptr);
+}
+
+TEST(HandTools, TwoEdgesDrawnWithTheRunningStitchAreOneThread) {
+  Hand h(slit());
+  for (const Tool tool : {Tool::suture_row, Tool::suture_running}) {
+    h.choose(tool, 0, 5);
+    h.draw(-3, -20, -3, 20);
+    h.draw(3, -20, 3, 20);
+    const auto* row = h.last<SutureRow>();
+    ASSERT_NE(row, nullptr);
+    EXPECT_EQ(row->running, tool == Tool::suture_running);
+    EXPECT_EQ(row->spacing_mm, 5);
+    EXPECT_EQ(row->depth_mm, 0);
+  }
+}
+
+TEST(HandTools, AHookIsTakenOutWhereItHoldsAndAtItsHandle) {
+  Hand h(slit());
+  h.s.hooks.push_back({1, Vec3f(10, 0, 0), Vec3f(20, 0, 15), Vec3f::Zero()});
+  h.s.hooks.push_back({2, Vec3f(-10, 0, 0), Vec3f(-20, 0, 15), Vec3f::Zero()});
+  h.choose(Tool::hook_out);
+  h.at(10, 1, false), h.at(10, 1, true), h.at(10, 1, false);
+  ASSERT_NE(h.last<ReleaseHook>(), nullptr);
+  EXPECT_EQ(h.last<ReleaseHook>()->id, 1);
+  h.at(-20, 0, false, 16), h.at(-20, 0, true, 16), h.at(-20, 0, false, 16);
+  EXPECT_EQ(h.last<ReleaseHook>()->id, 2);
+  EXPECT_TRUE(h.out.all.empty());
+  h.at(30, 30, false), h.at(30, 30, true), h.at(30, 30, false);
+  ASSERT_EQ(h.out.all.size(), 1u);
+  EXPECT_EQ(h.out.all[0].kind, MissedPress::no_hook);
+  EXPECT_EQ(h.done.size(), 2u);
+}
+
+TEST(HandTools, ScissorsCutAThreadElseTissueFromAnEdge) {
+  Hand h(slit());
+  h.s.sutures.push_back({7, Vec3f(-3, 20, 0), Vec3f(3, 20, 0)});
+  h.choose(Tool::scissors, 3);
+  h.at(4, 20, false), h.at(4, 20, true), h.at(4, 20, false);
+  EXPECT_NE(h.last<CutSuture>(), nullptr);
+  h.draw(3, 0, 15, 0);
+  const auto* cut = h.last<Incise>();
+  ASSERT_NE(cut, nullptr);
+  EXPECT_EQ(cut->depth_mm, 3);
+  EXPECT_EQ(cut->angle_deg, 90);
+  EXPECT_NEAR((cut->path.back() - ChartPoint(15, 0)).norm(), 0, 0.3);
+  EXPECT_TRUE(h.out.all.empty());
+  h.draw(30, 0, 40, 0);  // in the middle of the skin
+  ASSERT_EQ(h.out.all.size(), 1u);
+  EXPECT_EQ(h.out.all[0].kind, MissedPress::no_edge);
+  EXPECT_EQ(h.done.size(), 2u);
+}
+
+TEST(HandTools, ThePenMarksAndTheSwabWipes) {
+  Hand h(slit());
+  h.choose(Tool::marker);
+  h.draw(10, -10, 10, 10);
+  ASSERT_NE(h.last<Mark>(), nullptr);
+  EXPECT_FALSE(h.last<Mark>()->wipes);
+  EXPECT_NEAR((h.last<Mark>()->path.back() - h.last<Mark>()->path.front()).norm(), 20, 0.5);
+  h.choose(Tool::swab);
+  h.draw(5, 0, 15, 0);
+  ASSERT_NE(h.last<Mark>(), nullptr);
+  EXPECT_TRUE(h.last<Mark>()->wipes);
+  h.at(0, 0, false, 0), h.at(0, 0, true), h.at(0, 0, false);  // into the wound: that is what a swab is for
+  h.at(0, 0, true, 30), h.at(0, 0, false, 30);
+  EXPECT_TRUE(h.out.all.empty());
+}
+
+TEST(HandTools, AMarkIsWrittenInAScriptAndReadAgain) {
+  Mark drawn;
+  drawn.path = {{1, 2}, {3, 4}}, drawn.wipes = true;
+  const Command again = parse_command(to_json_line(Command(drawn)), "a script", 1);
+  const auto* m = std::get_if<Mark>(&again);
+  ASSERT_NE(m, nullptr);
+  EXPECT_TRUE(m->wipes);
+  EXPECT_EQ(m->path.size(), 2u);
+}
+
+}  // namespace test_hand_tools
+}  // namespace limberg
