@@ -83,10 +83,11 @@ class Lines {
 void look_at_shape(Lines& lines, const VerdictOf& of) {
   const Metrics& m = *of.metrics;
   // Skin is bent by no less than a cell of the lattice: a face of one is what it cannot tell from none.
-  lines.limited("skin on its face or inside out", m.turned.area_mm2, "mm²",
-                {0.5 * of.cell_mm * of.cell_mm, of.cell_mm * of.cell_mm,
-                 "one face of a cell of the lattice, which bends skin no sharper"},
-                m.turned.area_mm2 > 0 ? on_chart(*of.body, m.turned.at_mm) : "");
+  const double face_mm2 = std::pow(of.cell_mm / double(1 << of.wound_level), 2);
+  lines.limited(
+      "skin on its face or inside out", m.turned.area_mm2, "mm²",
+      {0.5 * face_mm2, face_mm2, "one face of a cell of the lattice at the wound, which bends skin no sharper"},
+      m.turned.area_mm2 > 0 ? on_chart(*of.body, m.turned.at_mm) : "");
   lines.limited(
       "tissue inside out", m.inverted_mm3, "mm³",
       {0, kLeastFraction * of.cell_mm * of.cell_mm * of.cell_mm,

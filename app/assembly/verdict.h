@@ -37,6 +37,7 @@ struct VerdictOf {
   const Metrics* metrics = nullptr;  // null: no soft tissue
   const Body* body = nullptr;        // its chart and its skin; with metrics
   double cell_mm = 0;                // of its lattice
+  int wound_level = 0;               // how often its cells are divided where a blade went
   std::span<const Judgement> judged = {};
   std::optional<BoneOutside> bone = {};  // nothing: no face over bones
   std::optional<Pace> pace = {};         // nothing: there was no hand

@@ -309,6 +309,7 @@ int run_operate(const OperateOptions& asked) {
     print_judgements(judged);
     VerdictOf look;
     look.metrics = &rows.back().key, look.body = body.get(), look.cell_mm = cells[i], look.judged = judged;
+    look.wound_level = spec.wound_level;
     look.residual = o.last.residual, look.stalled = o.stalled, look.cut_short = o.interrupted;
     verdict = verdict_of(look);
     fill_verdict(result, verdict);

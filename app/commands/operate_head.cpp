@@ -76,7 +76,7 @@ int operate_head(const Scene& scene, const Script& script, const Lesson* lesson,
     metrics = measure_world(*world, actions);
     fill_metrics(r, *metrics);
     look.metrics = &*metrics, look.body = world->skin()->spec().body.get(),
-    look.cell_mm = world->skin()->spec().cell_mm;
+    look.cell_mm = world->skin()->spec().cell_mm, look.wound_level = world->skin()->spec().wound_level;
   }
   if (head.has_face()) {
     Snapshot s;

@@ -80,7 +80,8 @@ int compare_orders(const std::vector<std::string>& orders, double cell_mm, const
     rows.push_back(std::move(r));
     const Metrics metrics = measure_world(world, actions, {script.header.plan, scene.landmarks, {}});
     VerdictOf look;
-    look.metrics = &metrics, look.body = body.get(), look.cell_mm = spec.cell_mm, look.residual = o.last.residual;
+    look.metrics = &metrics, look.body = body.get(), look.cell_mm = spec.cell_mm, look.wound_level = spec.wound_level,
+    look.residual = o.last.residual;
     for (ResultVerdict& v : verdict_of(look)) {
       v.what = how + ": " + v.what;
       verdict.push_back(std::move(v));

@@ -198,7 +198,8 @@ std::vector<ResultVerdict> fill_session(Result& r, Assembly& a, const SessionFig
   if (printed) print_judgements(judged);
   write_fields(r, "", story_of(a));
   look.metrics = &metrics, look.body = a.world->skin()->spec().body.get();
-  look.cell_mm = a.world->skin()->spec().cell_mm, look.judged = judged;
+  look.cell_mm = a.world->skin()->spec().cell_mm, look.wound_level = a.world->skin()->spec().wound_level;
+  look.judged = judged;
   std::vector<ResultVerdict> verdict = verdict_of(look);
   fill_verdict(r, verdict);
   return verdict;

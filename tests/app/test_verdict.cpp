@@ -28,7 +28,8 @@ class Verdict : public ::testing::Test {
   }
   std::vector<ResultVerdict> look() const {
     VerdictOf of;
-    of.metrics = &m, of.body = &body, of.cell_mm = 3.5, of.judged = judged, of.bone = bone, of.pace = pace;
+    of.metrics = &m, of.body = &body, of.cell_mm = 3.5, of.wound_level = level, of.judged = judged, of.bone = bone,
+    of.pace = pace;
     of.residual = residual;
     return verdict_of(of);
   }
@@ -44,6 +45,7 @@ class Verdict : public ::testing::Test {
   std::optional<BoneOutside> bone;
   std::optional<Pace> pace;
   double residual = 1e-6;
+  int level = 0;
 };
 
 TEST_F(Verdict, AWoundWhoseWholeEdgeIsClosedIsGoodAndOnlyThatIsClosed) {
@@ -87,6 +89,11 @@ TEST_F(Verdict, EachFaultIsSeen) {
   };
   alone("skin on its face", "bad", [&] { m.turned = {40, Vec3(1, 2, 0)}; });
   alone("skin on its face", "warn", [&] { m.turned = {8, Vec3(1, 2, 0)}; });
+  level = 1;  // cells of half the size at the wound bend skin more sharply
+  alone("skin on its face", "bad", [&] { m.turned = {4, Vec3(1, 2, 0)}; });
+  level = 0;
+  alone("edge of the wound that lies over", "bad", [&] { m.gape.over_mm = 3; });
+  alone("edge of the wound that lies over", "warn", [&] { m.gape.over_mm = 1; });
   const double told_from_none_mm3 = kLeastFraction * std::pow(3.5, 3);  // of a cell
   alone("tissue inside out", "warn", [&] { m.inverted_cells = 1, m.inverted_mm3 = 0.9 * told_from_none_mm3; });
   alone("tissue inside out", "bad", [&] { m.inverted_cells = 1, m.inverted_mm3 = 1.1 * told_from_none_mm3; });
