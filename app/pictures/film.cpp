@@ -14,6 +14,7 @@
 
 #include "app/pictures/pictures.h"
 #include "app/result/output.h"
+#include "app/session/clock.h"
 #include "render/picture.h"
 #include "sim/base/error.h"
 
@@ -68,6 +69,7 @@ struct Encoder {
                            "; expected it to be installed (Debian: apt-get install ffmpeg)");
     }
     to = pipe_ends[1];
+    fcntl(to, F_SETPIPE_SZ, 1 << 20);  // fewer turns to and fro for a frame of megabytes; refused, it is as it was
   }
   bool write(const uint8_t* bytes, size_t n) {
     while (n > 0) {
@@ -100,8 +102,12 @@ struct Film::Impl {
   Encoder encoder;
   std::string title;
   SecondHand glove, other_glove;
-  int frames = 0;
+  Image shown;  // the last frame
+  bool new_title = false;
+  FilmTimes times;
   bool broken = false, closed = false;
+
+  void keep_shown();
 };
 
 Film::Film(const Scene& scene, const FilmSettings& settings) : impl_(new Impl) {
@@ -142,7 +148,8 @@ Film::~Film() {
 }
 
 void Film::prepare(const SurfaceTopology&) {
-  impl_->maker = std::make_unique<PictureMaker>(impl_->set.width, impl_->set.height, PictureQuality::still);
+  impl_->maker = std::make_unique<PictureMaker>(impl_->set.width, impl_->set.height,
+                                                impl_->set.fine ? PictureQuality::still : PictureQuality::film);
   impl_->maker->set_camera(impl_->camera);
 }
 
@@ -156,15 +163,31 @@ void Film::frame(const Snapshot& snapshot, const ToolState& tool) {
   PictureOptions o;
   o.tool = tool_pose(tool, i.glove, i.other_glove);
   o.title = i.title;
-  const Image image = i.maker->skin(snapshot, o);
-  if (!i.encoder.write(image.rgb.data(), image.rgb.size()))
-    i.broken = true;
-  else
-    ++i.frames;
+  const int64_t before = RealClock::monotonic_ns();
+  i.shown = i.maker->skin(snapshot, o);
+  i.new_title = false;
+  ++i.times.drawn;
+  i.times.drawing_s += 1e-9 * double(RealClock::monotonic_ns() - before);
+  i.keep_shown();
 }
 
+void Film::same_frame() {
+  if (!impl_->broken && !impl_->shown.empty()) impl_->keep_shown();
+}
+
+void Film::Impl::keep_shown() {
+  const int64_t before = RealClock::monotonic_ns();
+  if (!encoder.write(shown.rgb.data(), shown.rgb.size()))
+    broken = true;
+  else
+    ++times.frames;
+  times.encoding_s += 1e-9 * double(RealClock::monotonic_ns() - before);
+}
+
+bool Film::wants_frame() { return impl_->new_title; }
+
 void Film::stage(const std::string& name, const Snapshot&) {
-  impl_->title = name;
+  impl_->title = name, impl_->new_title = true;
   if (!name.empty() && name[0] >= 'a' && name[0] <= 'z') impl_->title[0] = char(name[0] - 'a' + 'A');
 }
 
@@ -174,14 +197,16 @@ void Film::finish() { impl_->maker.reset(); }
 
 void Film::close() {
   Impl& i = *impl_;
+  const int64_t before = RealClock::monotonic_ns();
   const int status = i.encoder.stop();
-  if (status != 0 || i.broken || i.frames == 0) {
+  i.times.encoding_s += 1e-9 * double(RealClock::monotonic_ns() - before);
+  if (status != 0 || i.broken || i.times.frames == 0) {
     std::error_code ec;
     fs::remove(i.part, ec);
     i.closed = true;
     throw InputError(i.set.file, 0,
                      "the film was not made: ffmpeg ended with status " + std::to_string(status) + " after " +
-                         std::to_string(i.frames) +
+                         std::to_string(i.times.frames) +
                          " frames; expected a disk with room and an ffmpeg with the codec for this ending");
   }
   i.closed = true;
@@ -193,6 +218,6 @@ void Film::close() {
   throw InputError(i.set.file, 0, "cannot be written (" + why.message() + "); expected a folder that takes files");
 }
 
-int Film::frames() const { return impl_->frames; }
+const FilmTimes& Film::times() const { return impl_->times; }
 
 }  // namespace limberg
