@@ -31,7 +31,6 @@
 #include "render/gl_context.h"
 #include "sim/base/error.h"
 #include "sim/commands/kinds.h"
-#include "sim/commands/words.h"
 #include "sim/fem/solver/engine.h"
 #include "sim/patient/soft_tissue.h"
 
@@ -403,7 +402,7 @@ class SessionModel {
     if (const auto* s = std::get_if<Stage>(act))
       model_.stage(t_s_, s->name, now_);
     else if (!leaves_patient(*act))
-      model_.act(t_s_, in_words(*act));
+      model_.told(t_s_, *act);
   }
   void stages(const std::vector<StageRow>& rows) {
     if (!model_.empty()) return;

@@ -153,7 +153,7 @@ namespace {
 
 SkullFit fit_to_mirror(const Surface& skull, Workers& w) {
   SkullFit f;
-  f.with = "its mirror image of before the operation";
+  f.with = "its unmoved mirror image";
   std::string reason;
   const Surface other = mirror_image(skull, reason, w);
   if (reason.empty()) return lay_upon(skull, other, f.with, false, w);

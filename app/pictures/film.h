@@ -1,8 +1,8 @@
 #pragma once
 // A film of a session: every frame of a replay on a virtual clock, through ffmpeg as a child process. What takes long
 // to draw only makes the film later, never worse. What takes the time is drawing in software, pixel by pixel: a film is
-// drawn with one sample a pixel unless it is to be fine, and a frame that looks like the one before it is not drawn
-// again.
+// drawn with one sample a pixel unless it is to be fine, a frame that looks like the one before it is not drawn again,
+// and while a thread of the film's own draws a frame the session goes on to the next.
 #include <memory>
 #include <string>
 
@@ -41,7 +41,7 @@ class Film final : public PictureSink {
 
   /// Closes the film and gives it its name. InputError when ffmpeg did not take it all.
   void close();
-  const FilmTimes& times() const;
+  const FilmTimes& times() const;  // after finish()
 
  private:
   struct Impl;
