@@ -402,7 +402,7 @@ class SessionModel {
     if (const auto* s = std::get_if<Stage>(act))
       model_.stage(t_s_, s->name, now_);
     else if (!leaves_patient(*act))
-      model_.told(t_s_, *act);
+      model_.done(t_s_, *act);
   }
   void stages(const std::vector<StageRow>& rows) {
     if (!model_.empty()) return;

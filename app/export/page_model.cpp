@@ -291,11 +291,11 @@ void PageModel::stage(double at, const std::string& name, const Snapshot& snapsh
 
 void PageModel::acted(const Command& command, const Snapshot& snapshot) {
   if (const auto* s = std::get_if<Stage>(&command)) return stage(at_, s->name, snapshot);
-  if (!std::holds_alternative<Wait>(command)) told(at_ += 1, command);
+  if (!std::holds_alternative<Wait>(command)) done(at_ += 1, command);
   frame(at_, snapshot);
 }
 
-void PageModel::told(double at, const Command& command) {
+void PageModel::done(double at, const Command& command) {
   const auto* piece = std::get_if<InciseMore>(&command);
   if (piece) stroke_.push_back(command);
   if (piece && !piece->last) return;

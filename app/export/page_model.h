@@ -37,7 +37,7 @@ class PageModel {
   void stage(double at, const std::string& name, const Snapshot& snapshot);
 
   /// An act that was done, in words. A stroke that comes in pieces is one, told when it ends with its whole length.
-  void told(double at, const Command& command);
+  void done(double at, const Command& command);
 
   /// Of a script, each act of which is 1 on the axis: one has been carried out, and the patient is at rest.
   void acted(const Command& command, const Snapshot& snapshot);

@@ -190,7 +190,7 @@ std::string sentence_on(const Told& told, const Sides& sides) {
   if (const double share = std::abs(by / *va); *va != 0 && share < 10)
     s += ", " + number(100 * share, 2) + "\u202f% " + (by > 0 ? "more" : "less");
   if (const auto within = within_errors(a, b, told.figure, by))
-    s += *within ? "; the lattices' own errors could explain it" : ", beyond what the lattices' errors explain";
+    s += *within ? "; the errors of the lattices could explain it" : ", beyond what the errors of the lattices explain";
   return s + ".";
 }
 

@@ -124,11 +124,11 @@ TEST(PageModel, AStrokeInPiecesIsOneAct) {
   PageModel model("s");
   const Snapshot& first = slit.seen.front();
   model.frame(0, first);
-  model.told(1, InciseMore{1, {{0, 0}, {5, 0}}, 4, 90, false});
-  model.told(2, InciseMore{1, {{12, 0}}, 4, 90, false});
-  model.told(3, InciseMore{1, {{20, 0}}, 4, 90, true});
-  model.told(4, InciseMore{2, {{0, 3}, {6, 3}}, 4, 90, false});  // stopped: no last piece comes
-  model.told(5, Suture{{0, 1}, {0, -1}, 0});
+  model.done(1, InciseMore{1, {{0, 0}, {5, 0}}, 4, 90, false});
+  model.done(2, InciseMore{1, {{12, 0}}, 4, 90, false});
+  model.done(3, InciseMore{1, {{20, 0}}, 4, 90, true});
+  model.done(4, InciseMore{2, {{0, 3}, {6, 3}}, 4, 90, false});  // stopped: no last piece comes
+  model.done(5, Suture{{0, 1}, {0, -1}, 0});
   model.frame(6, slit.seen.back());
   const Model m(model.bytes("block", somewhere(), 16. / 9));
   std::vector<std::string> acts;

@@ -391,7 +391,7 @@ TEST_F(Report, ComparesTwoResults) {
   EXPECT_NE(html.find("Different states"), std::string::npos);
   // Sentences and pictures come first, every figure is folded below them.
   EXPECT_NE(html.find("The stitches together pull with 7.25\u202fN in A and 9.25\u202fN in B, 28\u202f% more, beyond "
-                      "what the lattices' errors explain."),
+                      "what the errors of the lattices explain."),
             std::string::npos);
   EXPECT_NE(html.find("The skin stands up by at most 1.9\u202fmm in A and 2.9\u202fmm in B"), std::string::npos);
   const size_t words = html.find("What differs"), pairs = html.find(">Pictures<"), figures = html.find("All figures");
