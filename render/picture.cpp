@@ -109,8 +109,10 @@ struct PictureMaker::Impl {
   }
 
   DrawOptions options() const {
-    return draw_options(quality == PictureQuality::still ? kQualityLevels.back() : kQualityLevels[kFastLevel], width,
-                        height);
+    const QualityLevel& level = quality == PictureQuality::still  ? kQualityLevels.back()
+                                : quality == PictureQuality::film ? kQualityLevels[kFilmLevel]
+                                                                  : kQualityLevels[kFastLevel];
+    return draw_options(level, width, height);
   }
 };
 

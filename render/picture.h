@@ -36,6 +36,7 @@ struct PictureOptions {
 
 enum class PictureQuality {
   still,  // smooth edges, soft shadow: for reports
+  film,   // the same light on a quarter of the pixels: for a picture of many that are kept
   live    // no extras: for a frame many times a second on a software renderer
 };
 

@@ -26,6 +26,7 @@ inline constexpr std::array<QualityLevel, 6> kQualityLevels{{{"half size", false
                                                              {"best", true, true, true, true, 1, 2}}};
 inline constexpr int kLiveLevels = 5;  // those that a window uses
 inline constexpr int kFastLevel = 1;   // the first at full size
+inline constexpr int kFilmLevel = 4;   // the light of the best, without its smooth edges
 
 class QualityLadder {
  public:

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
@@ -96,11 +97,15 @@ int design(DesignOptions o) {
   };
   const std::vector<Design> found = search_designs(scene, o.task, workers, interrupted, told);
   progress.clear();
-  if (interrupted()) {
-    say("interrupted; nothing was written");
-    return kGoalMissed;
+  const bool cut_short = interrupted();
+  if (cut_short) {
+    const auto tried = std::count_if(found.begin(), found.end(), [](const Design& d) { return d.dropped.empty(); });
+    say(tried ? fmt::format("interrupted; the {} designs that were tried by then are ranked and written", tried)
+              : "interrupted; nothing was written");
+    if (!tried) return kGoalMissed;
   }
   Result r("design", scene.name);
+  if (cut_short) r.set("/interrupted", true);
   r.set("/defect", o.defect);
   ResultTable table;
   table.title = "Designs, best first";
@@ -176,10 +181,10 @@ int design(DesignOptions o) {
                     std::atan2(along.dot(body->chart_e2), along.dot(body->chart_e1)) * 180 / std::numbers::pi));
   }
   add_table(r, table);
-  r.set_ok(any);
+  r.set_ok(any && !cut_short);
   leave_result(r, o.common);
   if (!any) say("no design covers this defect here");
-  return any ? kDone : kGoalMissed;
+  return any && !cut_short ? kDone : kGoalMissed;
 }
 
 }  // namespace

@@ -238,7 +238,7 @@ int run_operate(const OperateOptions& asked) {
   std::vector<Row> rows;
   std::vector<ResultVerdict> verdict;  // of the finest
   std::vector<Command> carried_out;    // of the finest
-  bool at_rest = true, whole = true;
+  bool at_rest = true, whole = true, stopped = false;
   for (size_t i = 0; i < cells.size(); ++i) {
     WorldSpec spec = world_spec(scene, body);
     spec.cell_mm = cells[i];
@@ -316,8 +316,9 @@ int run_operate(const OperateOptions& asked) {
     if (!opt.fields.empty()) write_fields(opt.fields, world);
     if (!opt.common.out_dir.empty()) {
       Snapshot last;
-      world.fill(last, true);  // with the tension
-      draw_report_pictures(opt.common.out_dir, o.stages, last);
+      world.fill(last, true);                                // with the tension
+      if (o.interrupted) leave_figures(result, opt.common);  // who is in a hurry may not wait for the pictures
+      stopped = !draw_report_pictures(opt.common.out_dir, o.stages, last);
       if (model) model->ended(last), model->leave(opt.common.out_dir, scene.name, report_camera(last), kReportAspect);
     }
   }
@@ -326,8 +327,9 @@ int run_operate(const OperateOptions& asked) {
   ResultStory story = made_by(this_call());
   story.script = script_of(carried_out);
   write_fields(result, "", story);
-  const bool reached = whole && at_rest && !is_bad(verdict) && near_enough;
+  const bool reached = whole && at_rest && !is_bad(verdict) && near_enough && !stopped;
   result.set_ok(reached);
+  if (stopped) mark_stopped(result);
   leave_result(result, opt.common);
   print_verdict(verdict);
   if (!at_rest && !interrupted()) say("the patient did not come to rest: relative residual above 1e-4");

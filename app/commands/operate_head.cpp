@@ -92,12 +92,14 @@ int operate_head(const Scene& scene, const Script& script, const Lesson* lesson,
   fill_verdict(r, verdict);
   for (const StageRow& s : o.stages) append(r, "/stages", stage_of(s));
   const bool at_rest = o.last.residual <= 1e-4;
-  const bool reached = whole && at_rest && !is_bad(verdict);
+  bool reached = whole && at_rest && !is_bad(verdict);
   r.set_ok(reached);
   if (!common.out_dir.empty()) {
     Snapshot last;
     patient.fill_with_field(last);
-    draw_head_pictures(common.out_dir, o.stages, first, last, scene_camera(scene), head);
+    if (o.interrupted) leave_figures(r, common);  // who is in a hurry may not wait for the pictures
+    if (!draw_head_pictures(common.out_dir, o.stages, first, last, scene_camera(scene), head))
+      mark_stopped(r), reached = false;
     if (model) model->ended(last), model->leave(common.out_dir, scene.name, scene_camera(scene), kHeadAspect);
     leave_head_figures(r, head, common.out_dir, last, scene_camera(scene), workers);
   }

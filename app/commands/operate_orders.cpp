@@ -1,5 +1,7 @@
 #include "app/commands/operate_orders.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstdio>
 
@@ -47,7 +49,7 @@ int compare_orders(const std::vector<std::string>& orders, double cell_mm, const
   std::vector<Command> actions;
   for (const ScriptLine& l : script.lines) actions.push_back(l.command);
   std::vector<ResultVerdict> verdict;  // of all orders, with its order before each line
-  bool at_rest = true;
+  bool at_rest = true, cut_short = false;
   for (const std::string& how : orders) {
     const Script ordered = reordered(script, how);
     WorldSpec spec = world_spec(scene, body);
@@ -60,6 +62,11 @@ int compare_orders(const std::vector<std::string>& orders, double cell_mm, const
     const OperationOutcome o = operate(world, scene.tools.max_depth_mm, ordered, set);
     progress.clear();
     if (o.interrupted) {
+      if (!rows.empty()) {
+        say(fmt::format("interrupted in order {}; the {} before it are told and written", how, rows.size()));
+        cut_short = true;
+        break;
+      }
       say("interrupted; nothing was written");
       return kGoalMissed;
     }
@@ -90,6 +97,7 @@ int compare_orders(const std::vector<std::string>& orders, double cell_mm, const
   Result result("operate", scene.name);
   ResultRun run;
   run.scene_title = scene.name;
+  if (cut_short) run.interrupted = true;
   write_fields(result, "", run);
   ResultTable table;
   table.title = "Orders of closure";
@@ -121,7 +129,7 @@ int compare_orders(const std::vector<std::string>& orders, double cell_mm, const
   write_fields(result, "", made_by(this_call()));
   worst_first(verdict);
   fill_verdict(result, verdict);
-  const bool reached = at_rest && !is_bad(verdict);
+  const bool reached = at_rest && !is_bad(verdict) && !cut_short;
   result.set_ok(reached);
   leave_result(result, common);
   print_verdict(verdict);

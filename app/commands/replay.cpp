@@ -1,5 +1,8 @@
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <cstdio>
+#include <string_view>
+#include <utility>
 
 #include "app/commands/auto_option.h"
 #include "app/commands/recorded_call.h"
@@ -13,10 +16,30 @@ namespace {
 struct ReplayOptions {
   std::string recording, scene, convergence, film, lesson;
   int frames_per_s = 25;
+  std::string film_size = "1280x720";
+  bool film_fine = false;
   bool lockstep = false, real_time = false, even_clock = false;
   AutoOption automatic;
   CommonOptions common;
 };
+
+/// "1280x720". A codec wants even sides.
+std::pair<int, int> size_of_film(const std::string& text) {
+  const size_t x = text.find('x');
+  const auto side = [](std::string_view digits) {
+    int n = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), n);
+    return error == std::errc() && end == digits.data() + digits.size() && n >= 64 && n <= 4096 && n % 2 == 0 ? n : 0;
+  };
+  const int width = x == text.npos ? 0 : side(std::string_view(text).substr(0, x)),
+            height = x == text.npos ? 0 : side(std::string_view(text).substr(x + 1));
+  if (!width || !height)
+    throw InputError("", 0,
+                     "--film-size " + text +
+                         ": no size of a film; expected width x height as 1280x720, even numbers "
+                         "from 64 to 4096");
+  return {width, height};
+}
 
 int replay(const ReplayOptions& o) {
   o.common.prepare();
@@ -38,7 +61,10 @@ int replay(const ReplayOptions& o) {
   if (!o.lesson.empty()) call.lesson = open_lesson(o.lesson);
   call.reproduce = "limberg replay " + o.recording + (o.real_time ? " --realtime" : "") +
                    (o.common.out_dir.empty() ? "" : " --out " + o.common.out_dir);
-  if (!o.film.empty()) call.film = FilmSettings{.file = o.film, .frames_per_s = o.frames_per_s};
+  if (!o.film.empty()) {
+    const auto [width, height] = size_of_film(o.film_size);
+    call.film = FilmSettings{o.film, o.frames_per_s, width, height, o.film_fine};
+  }
   call.common = o.common;
   Result other("", "");
   if (!o.convergence.empty()) other.take("/convergence", o.convergence);  // refuses a bad file before the work
@@ -76,6 +102,11 @@ void add_replay(CLI::App& app, Chosen& chosen) {
   c->add_option("--frames", o->frames_per_s, "Frames a second of the film (default 25)")
       ->type_name("N")
       ->check(CLI::IsMember({10, 20, 25, 40, 50}))
+      ->needs(film);
+  c->add_option("--film-size", o->film_size, "Width and height of the film in pixels (default 1280x720)")
+      ->type_name("WxH")
+      ->needs(film);
+  c->add_flag("--film-fine", o->film_fine, "Edges as smooth as those of the report's pictures: about four times longer")
       ->needs(film);
   o->automatic.add(*c);
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c), o->common.add_repro(*c);

@@ -31,7 +31,6 @@
 #include "render/gl_context.h"
 #include "sim/base/error.h"
 #include "sim/commands/kinds.h"
-#include "sim/commands/words.h"
 #include "sim/fem/solver/engine.h"
 #include "sim/patient/soft_tissue.h"
 
@@ -205,13 +204,23 @@ void print_summary(const SessionCall& call, const Assembly& a, const SessionFigu
 
 }  // namespace
 
-void leave_result(const Result& result, const CommonOptions& common) {
+void leave_figures(const Result& result, const CommonOptions& common) {
   if (!common.json_file.empty()) result.write(common.json_file);
   if (common.out_dir.empty()) return;
   const std::string own = common.out_dir + "/" + report_names::result;
   std::error_code ec;
   if (common.json_file.empty() || !std::filesystem::equivalent(own, common.json_file, ec)) result.write(own);
+}
+
+void leave_result(const Result& result, const CommonOptions& common) {
+  leave_figures(result, common);
+  if (common.out_dir.empty()) return;
   std::printf("report      %s\n", write_report(common.out_dir).c_str());
+}
+
+void mark_stopped(Result& result) {
+  result.set("/interrupted", true);
+  result.set_ok(false);
 }
 
 /// A recording that is made in case it is wanted: beside the machine's temporary files, kept or removed at the end. A
@@ -393,7 +402,7 @@ class SessionModel {
     if (const auto* s = std::get_if<Stage>(act))
       model_.stage(t_s_, s->name, now_);
     else if (!leaves_patient(*act))
-      model_.act(t_s_, in_words(*act));
+      model_.done(t_s_, *act);
   }
   void stages(const std::vector<StageRow>& rows) {
     if (!model_.empty()) return;
@@ -412,17 +421,20 @@ class SessionModel {
   Snapshot now_;
 };
 
-/// What could not be written, if so: the figures of the session are left even then.
+/// What could not be written, if so: the figures of the session are left even then. `stopped`: a person had enough of
+/// the drawing.
 std::optional<InputError> leave_pictures(Result& result, const SessionCall& call, Assembly& a, const Snapshot& first,
-                                         SessionModel* model) {
+                                         SessionModel* model, bool& stopped) {
+  stopped = false;
   if (call.common.out_dir.empty()) return std::nullopt;
   try {
     Snapshot last;
     a.patient->fill_with_field(last);  // with the tension
     if (a.world->skin())
-      draw_report_pictures(call.common.out_dir, a.solver.stages(), last);
+      stopped = !draw_report_pictures(call.common.out_dir, a.solver.stages(), last);
     else if (a.head)
-      draw_head_pictures(call.common.out_dir, a.solver.stages(), first, last, scene_camera(a.scene), *a.head);
+      stopped =
+          !draw_head_pictures(call.common.out_dir, a.solver.stages(), first, last, scene_camera(a.scene), *a.head);
     if (model) {
       model->stages(a.solver.stages());
       const bool skin = a.world->skin();
@@ -623,7 +635,9 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   if (failure) leave_failure(*failure, call, a, keep_after_failure(aside, recorder.get()));
   if (film) {
     film->close();
-    fmt::print("film        {}, {} frames\n", call.film->file, film->frames());
+    const FilmTimes& t = film->times();
+    fmt::print("film        {}, {} frames, {} of them drawn, in {:.0f} s; {:.0f} s with ffmpeg\n", call.film->file,
+               t.frames, t.drawn, t.drawing_s, t.encoding_s);
   }
 
   // What it leaves.
@@ -644,9 +658,11 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   if (after) after(result, a);
   const bool recording_failed = recorder && recorder->failed();
   const bool at_rest = f.interrupted || f.closed || a.solver.at_rest(1e-4);
-  const bool reached = at_rest && !is_bad(verdict);
+  bool reached = at_rest && !is_bad(verdict), stopped = false;
   result.set_ok(reached && !recording_failed);
-  const std::optional<InputError> unwritten = leave_pictures(result, call, a, first, model.get());
+  if (f.interrupted) leave_figures(result, call.common);
+  const std::optional<InputError> unwritten = leave_pictures(result, call, a, first, model.get(), stopped);
+  if (stopped) mark_stopped(result), reached = false;
   print_summary(call, a, f);
   leave_recording(aside, keep, recorder.get());
   leave_result(result, call.common);

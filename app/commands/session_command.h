@@ -70,7 +70,10 @@ struct SessionCall {
 /// Returns the exit status. `after` may add to the result before it is written.
 int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>& after = {});
 
-/// Writes result.json and report.html into the output folder and the JSON file, as asked.
+/// Writes result.json into the output folder and the JSON file, as asked; leave_result() the page too.
+void leave_figures(const Result& result, const CommonOptions& common);
+/// Of a command that a person ended while it drew: `interrupted`, and not `ok`.
+void mark_stopped(Result& result);
 void leave_result(const Result& result, const CommonOptions& common);
 
 /// A lesson is judged on a scene that has what it is about: InputError otherwise. Says so where it was made for

@@ -10,8 +10,17 @@
 namespace limberg {
 namespace {
 
-constexpr double kCard = 236, kPlan = 200, kText = 86, kDrawingGap = 12, kHead = 58;
+constexpr double kCard = 236, kPlan = 200, kText = 102, kDrawingGap = 12, kHead = 58;
+constexpr size_t kNameLetters = 16;  // of a landmark, half a card wide
 constexpr const char *kForce = "#a3262e", *kEar = "#c98a1b", *kLandmark = "#1b6ca8";
+
+/// As long as half a card takes, without half a letter at its end.
+std::string short_name(std::string name) {
+  if (name.size() <= kNameLetters) return name;
+  size_t end = kNameLetters;
+  while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0) == 0x80) --end;
+  return name.substr(0, end);
+}
 
 /// What a design draws on the skin, as its commands say.
 struct Lines {
@@ -108,28 +117,32 @@ std::string ranking_svg(const std::vector<Design>& found, const DesignTask& task
     s += card.path(task.defect, true, "fill=\"none\" stroke=\"#7a1020\" stroke-width=\"1.4\" stroke-dasharray=\"4 3\"");
     for (const Landmark& m : task.spare) {
       const Vec2 q = card.at(m.at);
-      s += text("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"3.5\" fill=\"%s\"/><text x=\"%.1f\" y=\"%.1f\" fill=\"%s\">",
-                q.x(), q.y(), kLandmark, q.x() + 6, q.y() + 4, kLandmark) +
-           xml_text(m.name) + "</text>\n";
+      const bool right = q.x() - corner.x() > kCard / 2;  // its name stands towards the middle of the card
+      s += text("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"3.5\" fill=\"%s\"/><text x=\"%.1f\" y=\"%.1f\" fill=\"%s\"%s>",
+                q.x(), q.y(), kLandmark, q.x() + (right ? -6 : 6), q.y() + 4, kLandmark,
+                right ? " text-anchor=\"end\"" : "") +
+           xml_text(short_name(m.name)) + "</text>\n";
     }
+    // A line for each: none is wider than its card.
     const std::string size = d.plan.values.empty() ? "" : text("%.3g mm, ", d.plan.values[0].second);
     s += text("<text x=\"%.1f\" y=\"%.1f\" font-size=\"14\">%zu. %s</text>\n", corner.x() + 2, corner.y() + kPlan + 17,
               i + 1, d.plan.procedure.c_str());
-    s += text("<text x=\"%.1f\" y=\"%.1f\" fill=\"#555\">%sturned %g&#176;%s, %.3g mm cells%s</text>\n", corner.x() + 2,
-              corner.y() + kPlan + 33, size.c_str(), d.plan.turn_deg, d.plan.mirrored ? ", mirrored" : "", d.cell_mm,
-              d.fine ? "" : ", first pass");
+    s += text("<text x=\"%.1f\" y=\"%.1f\" fill=\"#555\">%sturned %.3g&#176;%s</text>\n", corner.x() + 2,
+              corner.y() + kPlan + 33, size.c_str(), d.plan.turn_deg, d.plan.mirrored ? ", mirrored" : "");
+    s += text("<text x=\"%.1f\" y=\"%.1f\" fill=\"#555\">%.3g mm cells%s</text>\n", corner.x() + 2,
+              corner.y() + kPlan + 49, d.cell_mm, d.fine ? "" : ", first pass");
     const std::array<std::pair<double, const char*>, 3> parts{
         {{d.force_cost, kForce}, {d.ear_cost, kEar}, {d.landmark_cost, kLandmark}}};
     double from = corner.x() + 2;
     for (const auto& [cost, ink] : parts) {
       const double w = (kCard - 56) * cost / dearest;
-      s += text("<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"12\" fill=\"%s\"/>", from, corner.y() + kPlan + 41,
+      s += text("<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"12\" fill=\"%s\"/>", from, corner.y() + kPlan + 57,
                 w, ink);
       from += w;
     }
-    s += text("<text x=\"%.1f\" y=\"%.1f\">%.2f</text>\n", from + 5, corner.y() + kPlan + 51, d.cost);
+    s += text("<text x=\"%.1f\" y=\"%.1f\">%.2f</text>\n", from + 5, corner.y() + kPlan + 67, d.cost);
     s += text("<text x=\"%.1f\" y=\"%.1f\" fill=\"#555\">%.2f N, ear %.1f mm, landmark %.1f mm</text>\n",
-              corner.x() + 2, corner.y() + kPlan + 70, d.force_N, d.dog_ear_mm, d.landmark_mm);
+              corner.x() + 2, corner.y() + kPlan + 86, d.force_N, d.dog_ear_mm, d.landmark_mm);
   }
   return s + "</svg>\n";
 }

@@ -305,7 +305,11 @@ std::vector<Design> search_designs(const Scene& scene, const DesignTask& task, W
     ++done, work += refining ? weight : 1;
   };
   for (Design& d : all) {
-    if (!d.dropped.empty() || (interrupted && interrupted())) continue;
+    if (!d.dropped.empty()) continue;
+    if (interrupted && interrupted()) {
+      d.dropped = "not tried: interrupted";
+      continue;
+    }
     tell(false);
     carry_out(d, scene, body, task, task.coarse_mm, false, workers, interrupted);
   }
@@ -314,7 +318,9 @@ std::vector<Design> search_designs(const Scene& scene, const DesignTask& task, W
   for (Design& d : all) {
     if (refined == refine || !d.dropped.empty() || (interrupted && interrupted())) break;
     tell(true);
+    const Design first_pass = d;
     carry_out(d, scene, body, task, fine, true, workers, interrupted);
+    if (interrupted && interrupted() && !d.dropped.empty()) d = first_pass;
     ++refined;
   }
   rank(all);

@@ -19,6 +19,7 @@
 #include "render/stitches.h"
 #include "render/textures.h"
 #include "sim/base/whole_file.h"
+#include "sim/commands/strokes.h"
 #include "sim/commands/words.h"
 
 namespace limberg {
@@ -290,8 +291,17 @@ void PageModel::stage(double at, const std::string& name, const Snapshot& snapsh
 
 void PageModel::acted(const Command& command, const Snapshot& snapshot) {
   if (const auto* s = std::get_if<Stage>(&command)) return stage(at_, s->name, snapshot);
-  if (!std::holds_alternative<Wait>(command)) act(at_ += 1, in_words(command));
+  if (!std::holds_alternative<Wait>(command)) done(at_ += 1, command);
   frame(at_, snapshot);
+}
+
+void PageModel::done(double at, const Command& command) {
+  const auto* piece = std::get_if<InciseMore>(&command);
+  if (piece) stroke_.push_back(command);
+  if (piece && !piece->last) return;
+  if (!stroke_.empty()) act(at, in_words(join_strokes(stroke_).front()));  // it has ended, or was stopped
+  stroke_.clear();
+  if (!piece) act(at, in_words(command));
 }
 
 void PageModel::thin() {

@@ -36,6 +36,9 @@ class PageModel {
   /// A stage of the report; its frame is kept whatever happens.
   void stage(double at, const std::string& name, const Snapshot& snapshot);
 
+  /// An act that was done, in words. A stroke that comes in pieces is one, told when it ends with its whole length.
+  void done(double at, const Command& command);
+
   /// Of a script, each act of which is 1 on the axis: one has been carried out, and the patient is at rest.
   void acted(const Command& command, const Snapshot& snapshot);
   /// As it is at the end, in place of the last frame.
@@ -65,6 +68,7 @@ class PageModel {
   std::string unit_;
   std::vector<Frame> frames_;
   std::vector<Mark> marks_;
+  std::vector<Command> stroke_;  // the pieces of one that is being drawn
 };
 
 }  // namespace limberg

@@ -2,6 +2,7 @@
 #include "app/pictures/pictures.h"
 
 #include "app/head/report.h"
+#include "app/pictures/pictures_drawn.h"
 #include "app/report/report_names.h"
 #include "app/result/output.h"
 #include "app/result/progress.h"
@@ -34,49 +35,51 @@ PictureOptions look(FaceLook face, const std::string& title, bool landmarks = fa
 
 }  // namespace
 
-void draw_head_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& first,
+bool draw_head_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& first,
                         const Snapshot& last, const Camera& camera, const Head& head) {
   remove_report_pictures(dir);
-  if (!last.topology) return;
-  const bool face = !last.moved_mm.empty();
+  if (!last.topology) return true;
+  const bool face = !last.moved_mm.empty(), net = face && !last.topology->strand.empty();
+  PicturesDrawn drawn(int(stages.size()) + 3 + (face ? 8 : 0) + (net ? 1 : 0));
   try {
     PictureMaker pictures(1080, 1080);
     pictures.set_camera(camera);
-    const auto file = [&](const char* name) { return dir + "/head/" + name; };
     prepare_folder(dir + "/head");
     if (!stages.empty()) prepare_folder(dir + "/" + report_names::stages_dir);
+    const auto skin = [&](const std::string& file, const Snapshot& shown, const PictureOptions& o) {
+      if (drawn.next()) write_png(dir + "/" + file, pictures.skin(shown, o));
+    };
     for (const StageRow& s : stages)
-      if (s.shown.topology)
-        write_png(dir + "/" + report_names::stage_picture(s.number, s.name),
-                  pictures.skin(s.shown, look(FaceLook::clear, s.name)));
+      if (s.shown.topology) skin(report_names::stage_picture(s.number, s.name), s.shown, look(FaceLook::clear, s.name));
     const Snapshot before = at_rest(last, head);
-    write_png(dir + "/" + report_names::overview, pictures.skin(last, look(FaceLook::clear, "")));
-    write_png(file("bones-before.png"), pictures.skin(first, look(FaceLook::hidden, "Before")));
-    write_png(file("bones-after.png"), pictures.skin(last, look(FaceLook::hidden, "After")));
-    if (!face) return;
-    write_png(file("before.png"), pictures.skin(before, look(FaceLook::solid, "Before")));
-    write_png(file("after.png"), pictures.skin(last, look(FaceLook::solid, "After")));
-    write_png(file("moved.png"), pictures.moved(last, look(FaceLook::solid, "Displacement")));
+    skin(report_names::overview, last, look(FaceLook::clear, ""));
+    skin("head/bones-before.png", first, look(FaceLook::hidden, "Before"));
+    skin("head/bones-after.png", last, look(FaceLook::hidden, "After"));
+    if (!face) return drawn.all();
+    skin("head/before.png", before, look(FaceLook::solid, "Before"));
+    skin("head/after.png", last, look(FaceLook::solid, "After"));
+    if (drawn.next()) write_png(dir + "/head/moved.png", pictures.moved(last, look(FaceLook::solid, "Displacement")));
     PictureOptions lines = look(FaceLook::solid, "Triangles of face and bone");
     lines.wireframe = true;
-    write_png(file("wireframe.png"), pictures.skin(last, lines));
+    skin("head/wireframe.png", last, lines);
     PictureOptions stereo = look(FaceLook::clear, "After, for red-cyan glasses");
     stereo.anaglyph = true;
-    write_png(file("anaglyph.png"), pictures.skin(last, stereo));
-    write_png(file("through.png"), pictures.skin(last, look(FaceLook::clear, "After", true)));
-    if (!last.topology->strand.empty()) {
-      PictureOptions net = look(FaceLook::hidden, "Tissue between face and bone");
-      net.strands = true;
-      write_png(file("tissue.png"), pictures.skin(last, net));
+    skin("head/anaglyph.png", last, stereo);
+    skin("head/through.png", last, look(FaceLook::clear, "After", true));
+    if (net) {
+      PictureOptions strands = look(FaceLook::hidden, "Tissue between face and bone");
+      strands.strands = true;
+      skin("head/tissue.png", last, strands);
     }
     Camera side = camera;
     side.eye_mm = camera.target_mm - Vec3f((camera.eye_mm - camera.target_mm).norm(), 0, 0);
     pictures.set_camera(side);
-    write_png(file("profile-before.png"), pictures.skin(before, look(FaceLook::solid, "Before", true)));
-    write_png(file("profile-after.png"), pictures.skin(last, look(FaceLook::solid, "After", true)));
+    skin("head/profile-before.png", before, look(FaceLook::solid, "Before", true));
+    skin("head/profile-after.png", last, look(FaceLook::solid, "After", true));
   } catch (const RenderUnavailable& e) {
     say(std::string("no pictures: ") + e.what());
   }
+  return drawn.all();
 }
 
 }  // namespace limberg

@@ -21,8 +21,8 @@ void leave_head_figures(Result& result, const Head& head, const std::string& dir
 /// Draws DIR/overview.png, the stages, and DIR/head/*.png: face and bones before and after, the map of displacement,
 /// the net of the tissue. `first`: when nothing had been done; at the end the rest of bones may be another (of two that
 /// were joined).
-/// `camera`: the scene's. Says in one line when pictures cannot be made here.
-void draw_head_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& first,
+/// `camera`: the scene's. Says in one line when pictures cannot be made here. False: as draw_report_pictures.
+bool draw_head_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& first,
                         const Snapshot& last, const Camera& camera, const Head& head);
 
 }  // namespace limberg

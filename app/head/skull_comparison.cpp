@@ -153,7 +153,7 @@ namespace {
 
 SkullFit fit_to_mirror(const Surface& skull, Workers& w) {
   SkullFit f;
-  f.with = "its mirror image";
+  f.with = "its unmoved mirror image";
   std::string reason;
   const Surface other = mirror_image(skull, reason, w);
   if (reason.empty()) return lay_upon(skull, other, f.with, false, w);
@@ -233,7 +233,8 @@ void report_end(Result& r, const Head& head, const SkullFit (&fits)[2], const st
   t.title = "The skull beside another";
   t.about =
       "Distance of the skull's surface from the one that it was laid upon, in mm, outside of it positive. It was laid "
-      "upon it as it was before the operation, by the places that differ least.";
+      "upon it as it was before the operation, by the places that differ least. The mirror image, too, is that of the "
+      "skull as it was before: what was moved since is compared with where the other side had been.";
   t.columns = {"laid upon",  "part",      "mean before",         "mean after",
                "rms before", "rms after", "95 % within, before", "after"};
   const char* const files[] = {"skull-normal", "skull-mirror"};

@@ -6,14 +6,18 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "app/pictures/pictures.h"
 #include "app/result/output.h"
+#include "app/session/belt.h"
+#include "app/session/clock.h"
 #include "render/picture.h"
 #include "sim/base/error.h"
 
@@ -68,6 +72,7 @@ struct Encoder {
                            "; expected it to be installed (Debian: apt-get install ffmpeg)");
     }
     to = pipe_ends[1];
+    fcntl(to, F_SETPIPE_SZ, 1 << 20);  // fewer turns to and fro for a frame of megabytes; refused, it is as it was
   }
   bool write(const uint8_t* bytes, size_t n) {
     while (n > 0) {
@@ -92,16 +97,35 @@ struct Encoder {
 
 }  // namespace
 
+namespace {
+
+/// What a frame shows; without it, it is the frame before once more.
+struct Shot {
+  std::optional<Snapshot> patient;
+  PictureOptions options;
+};
+
+}  // namespace
+
 struct Film::Impl {
   FilmSettings set;
   std::string part;  // the film until it is whole
   Camera camera;
-  std::unique_ptr<PictureMaker> maker;
   Encoder encoder;
   std::string title;
   SecondHand glove, other_glove;
-  int frames = 0;
-  bool broken = false, closed = false;
+  bool new_title = false, any = false, closed = false;
+  std::atomic<bool> broken{false};
+
+  // Of the drawing thread, until it has ended.
+  std::unique_ptr<PictureMaker> maker;
+  Image shown;
+  FilmTimes times;
+
+  std::unique_ptr<Belt<Shot>> drawing;  // last: its thread uses the rest
+
+  void draw(const Shot& shot);
+  void hand_over(Shot shot);
 };
 
 Film::Film(const Scene& scene, const FilmSettings& settings) : impl_(new Impl) {
@@ -135,6 +159,7 @@ Film::Film(const Scene& scene, const FilmSettings& settings) : impl_(new Impl) {
 }
 
 Film::~Film() {
+  impl_->drawing.reset();
   if (impl_->closed) return;
   impl_->encoder.stop();
   std::error_code ec;
@@ -142,8 +167,14 @@ Film::~Film() {
 }
 
 void Film::prepare(const SurfaceTopology&) {
-  impl_->maker = std::make_unique<PictureMaker>(impl_->set.width, impl_->set.height, PictureQuality::still);
-  impl_->maker->set_camera(impl_->camera);
+  Impl& i = *impl_;
+  const auto begin = [&i] {
+    i.maker = std::make_unique<PictureMaker>(i.set.width, i.set.height,
+                                             i.set.fine ? PictureQuality::still : PictureQuality::film);
+    i.maker->set_camera(i.camera);
+  };
+  i.drawing = std::make_unique<Belt<Shot>>(
+      begin, [&i](Shot& shot) { i.draw(shot); }, [&i] { i.maker.reset(); });
 }
 
 void Film::second_hand(const SecondHand& hand, const SecondHand& other) {
@@ -152,36 +183,59 @@ void Film::second_hand(const SecondHand& hand, const SecondHand& other) {
 
 void Film::frame(const Snapshot& snapshot, const ToolState& tool) {
   Impl& i = *impl_;
-  if (i.broken || !i.maker) return;
-  PictureOptions o;
-  o.tool = tool_pose(tool, i.glove, i.other_glove);
-  o.title = i.title;
-  const Image image = i.maker->skin(snapshot, o);
-  if (!i.encoder.write(image.rgb.data(), image.rgb.size()))
-    i.broken = true;
-  else
-    ++i.frames;
+  Shot shot{snapshot, {}};
+  shot.options.tool = tool_pose(tool, i.glove, i.other_glove);
+  shot.options.title = i.title;
+  i.new_title = false, i.any = true;
+  i.hand_over(std::move(shot));
 }
 
+void Film::same_frame() {
+  if (impl_->any) impl_->hand_over({});
+}
+
+void Film::Impl::hand_over(Shot shot) {
+  if (!broken && drawing) drawing->put(std::move(shot));
+}
+
+void Film::Impl::draw(const Shot& shot) {
+  if (broken) return;
+  const int64_t before = RealClock::monotonic_ns();
+  if (shot.patient) shown = maker->skin(*shot.patient, shot.options), ++times.drawn;
+  const int64_t drawn = RealClock::monotonic_ns();
+  if (!encoder.write(shown.rgb.data(), shown.rgb.size()))
+    broken = true;
+  else
+    ++times.frames;
+  times.drawing_s += 1e-9 * double(drawn - before);
+  times.encoding_s += 1e-9 * double(RealClock::monotonic_ns() - drawn);
+}
+
+bool Film::wants_frame() { return impl_->new_title; }
+
 void Film::stage(const std::string& name, const Snapshot&) {
-  impl_->title = name;
+  impl_->title = name, impl_->new_title = true;
   if (!name.empty() && name[0] >= 'a' && name[0] <= 'z') impl_->title[0] = char(name[0] - 'a' + 'A');
 }
 
 bool Film::open() const { return !impl_->broken; }
 
-void Film::finish() { impl_->maker.reset(); }
+void Film::finish() {
+  if (impl_->drawing) impl_->drawing->stop();
+}
 
 void Film::close() {
   Impl& i = *impl_;
+  const int64_t before = RealClock::monotonic_ns();
   const int status = i.encoder.stop();
-  if (status != 0 || i.broken || i.frames == 0) {
+  i.times.encoding_s += 1e-9 * double(RealClock::monotonic_ns() - before);
+  if (status != 0 || i.broken || i.times.frames == 0) {
     std::error_code ec;
     fs::remove(i.part, ec);
     i.closed = true;
     throw InputError(i.set.file, 0,
                      "the film was not made: ffmpeg ended with status " + std::to_string(status) + " after " +
-                         std::to_string(i.frames) +
+                         std::to_string(i.times.frames) +
                          " frames; expected a disk with room and an ffmpeg with the codec for this ending");
   }
   i.closed = true;
@@ -193,6 +247,6 @@ void Film::close() {
   throw InputError(i.set.file, 0, "cannot be written (" + why.message() + "); expected a folder that takes files");
 }
 
-int Film::frames() const { return impl_->frames; }
+const FilmTimes& Film::times() const { return impl_->times; }
 
 }  // namespace limberg

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "app/pictures/field_map.h"
+#include "app/pictures/pictures_drawn.h"
 #include "app/pictures/skin_fields.h"
 #include "app/report/report_names.h"
 #include "app/result/output.h"
@@ -183,32 +184,26 @@ constexpr int kReportWidth = 1280, kReportHeight = 720;
 
 Camera report_camera(const Snapshot& last) { return camera_on_operated(last, double(kReportWidth) / kReportHeight); }
 
-void draw_report_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& last) {
+bool draw_report_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& last) {
   remove_report_pictures(dir);
-  if (!last.topology) return;
+  if (!last.topology) return true;
   draw_maps(dir, last);
+  PicturesDrawn drawn(int(stages.size()) + 5);
   try {
-    Progress progress("drawing");
-    int drawn = 0;
-    const auto next = [&] { progress.show(++drawn, double(stages.size()) + 5, "pictures"); };
     PictureMaker pictures(kReportWidth, kReportHeight);
     pictures.focus_from(last);
     if (!stages.empty()) prepare_folder(dir + "/" + report_names::stages_dir);
-    for (const StageRow& s : stages) {
-      next();
-      if (s.shown.topology)
+    for (const StageRow& s : stages)
+      if (drawn.next() && s.shown.topology)
         write_png(dir + "/" + report_names::stage_picture(s.number, s.name), pictures.skin(s.shown, titled(s.name)));
-    }
-    next();
-    write_png(dir + "/" + report_names::overview, pictures.skin(last));
-    next();
-    if (!last.field.empty())
+    if (drawn.next()) write_png(dir + "/" + report_names::overview, pictures.skin(last));
+    if (drawn.next() && !last.field.empty())
       write_png(dir + "/" + report_names::tension, pictures.tension(last, titled("Tension of the skin")));
     SkinFields fields;
     for (const auto& [field, file] :
          {std::pair(SkinField::height, report_names::height), std::pair(SkinField::moved, report_names::moved),
           std::pair(SkinField::perfusion, report_names::risk)}) {
-      next();
+      if (!drawn.next()) break;
       const FieldShown& shown = fields.show(field, last);
       const SkinFieldLook& look = look_of(field);
       if (!shown.value.empty())
@@ -220,6 +215,7 @@ void draw_report_pictures(const std::string& dir, const std::vector<StageRow>& s
   } catch (const RenderUnavailable& e) {
     say(std::string("no pictures: ") + e.what());
   }
+  return drawn.all();
 }
 
 }  // namespace limberg

@@ -10,6 +10,7 @@
 #include "app/report/report_file.h"
 #include "app/report/sections.h"
 #include "app/report/viewer.h"
+#include "app/result/verdict_words.h"
 #include "sim/base/whole_file.h"
 
 namespace limberg {
@@ -63,10 +64,10 @@ Markup differences(const ReportData& a, const ReportData& b) {
   return says.empty() ? Markup() : html::notice(says);
 }
 
-/// "wound gape, mm", the name in result.json as its title; a figure that the table does not know keeps that name.
+/// "wound gape, mm", the name in result.json as its title.
 Markup name_of_figure(const std::string& name) {
   const Measure* m = find_measure(name);
-  if (!m) return html::code(name);
+  if (!m) return html::explained(spoken(name), name);
   return html::explained(m->words + (m->unit[0] ? std::string(", ") + m->unit : ""), name + ": " + m->definition);
 }
 
@@ -87,14 +88,14 @@ Markup figures_of(const Sides& sides) {
     row.push_back(!within ? "" : *within ? "within" : "beyond");
     rows.push_back(row);
   }
-  const std::pair<const char*, Maybe ReportData::*> own[] = {{"duration_s", &ReportData::duration_s},
-                                                             {"residual", &ReportData::residual},
-                                                             {"distance_mm", &ReportData::distance_mm},
-                                                             {"memory_mb", &ReportData::memory_mb},
-                                                             {"solve_ms", &ReportData::solve_ms}};
+  const std::pair<const char*, Maybe ReportData::*> own[] = {{"duration, s", &ReportData::duration_s},
+                                                             {"relative residual", &ReportData::residual},
+                                                             {"distance to equilibrium, mm", &ReportData::distance_mm},
+                                                             {"memory, MB", &ReportData::memory_mb},
+                                                             {"time of the solver, ms", &ReportData::solve_ms}};
   for (const auto& [name, what] : own)
     if (a.*what || b.*what) {
-      html::Row row{html::code(name)};
+      html::Row row{name};
       add_pair(row, a.*what, b.*what, 5);
       row.push_back("");
       rows.push_back(row);
@@ -104,8 +105,9 @@ Markup figures_of(const Sides& sides) {
                            ? "Last column: whether the lattices' own errors, added, can explain the difference."
                            : "Neither result says how large its lattice's error is (" + html::code("operate --cells") +
                                  " does), so nothing is said about which differences matter.";
-  return html::section(
-      "Figures", html::note(about) + html::table({"", "A", "B", "B − A", "", any_error ? "lattice error" : ""}, rows));
+  return html::folded(
+      "All figures",
+      html::note(about) + html::table({"", "A", "B", "B − A", "", any_error ? "lattice error" : ""}, rows));
 }
 
 Markup stitches(const Sides& sides) {
@@ -128,9 +130,9 @@ Markup stitches(const Sides& sides) {
     row.push_back(quantity(x.gap_mm, "")), row.push_back(quantity(y.gap_mm, ""));
     rows.push_back(row);
   }
-  return html::section("Stitches",
-                       html::note("By the order of tying: they are the same stitches only where the scripts agree.") +
-                           html::table({"", "force A, N", "force B, N", "B − A", "", "gap A, mm", "gap B, mm"}, rows));
+  return html::folded("Stitches",
+                      html::note("By the order of tying: they are the same stitches only where the scripts agree.") +
+                          html::table({"", "force A, N", "force B, N", "B − A", "", "gap A, mm", "gap B, mm"}, rows));
 }
 
 Markup pair_of(const Sides& sides, const std::string& picture_a, const std::string& picture_b,
@@ -161,6 +163,78 @@ Markup pictures(const Sides& sides) {
   return m.empty() ? m : html::section("Pictures", html::pairs(m));
 }
 
+/// A figure that is told in a sentence: its name in result.json, and what comes before its value.
+struct Told {
+  const char *figure, *words;
+  const char* unit;
+};
+constexpr Told kToldOfSkin[] = {{"closure_force_N", "The stitches together pull with ", "N"},
+                                {"wound_gape_mm", "The wound gapes by ", "mm"},
+                                {"dog_ear_mm", "The skin stands up by at most ", "mm"},
+                                {"stress_p95_kPa", "All skin but a twentieth is pulled by less than ", "kPa"},
+                                {"waste_mm2", "Of healthy skin was cut away ", "mm²"},
+                                {"elongation", "The line was lengthened by a factor of ", ""}};
+constexpr Told kToldOfBones[] = {{"fragment_moved_max_mm", "The farthest piece of bone was carried by ", "mm"},
+                                 {"face_moved_max_mm", "The face follows by at most ", "mm"},
+                                 {"fragments", "Pieces of bone: ", ""}};
+
+/// "The wound gapes by 1.2 mm in A and by 2.2 mm in B, 83 % more." Of what is the same to 0.5 %: "... in both."
+std::string sentence_on(const Told& told, const Sides& sides) {
+  const ReportData &a = sides.first.d, &b = sides.second.d;
+  const Maybe va = a.metric(told.figure), vb = b.metric(told.figure);
+  if (!va || !vb) return {};
+  const double by = *vb - *va;
+  const std::string x = quantity(va, told.unit), y = quantity(vb, told.unit);
+  if (x == y || std::abs(by) <= 0.005 * std::abs(*va)) return told.words + x + " in both.";
+  std::string s = told.words + x + " in A and " + y + " in B";
+  if (const double share = std::abs(by / *va); *va != 0 && share < 10)
+    s += ", " + number(100 * share, 2) + "\u202f% " + (by > 0 ? "more" : "less");
+  if (const auto within = within_errors(a, b, told.figure, by))
+    s += *within ? "; the errors of the lattices could explain it" : ", beyond what the errors of the lattices explain";
+  return s + ".";
+}
+
+/// "In A: excision and sutures, 27 stitches, 34 acts in 54.8 s; in B: ..."
+std::string sentence_on_acts(const Sides& sides) {
+  const auto done = [](const ReportData& d) {
+    const size_t stitches = d.sutures().size();
+    std::string s = d.acts_title.empty() ? title_of(d) : d.acts_title;
+    if (stitches > 0) s += ", " + std::to_string(stitches) + (stitches == 1 ? " stitch" : " stitches");
+    if (d.commands) s += ", " + std::to_string(*d.commands) + (*d.commands == 1 ? " act" : " acts");
+    if (d.duration_s) s += " in " + quantity(d.duration_s, "s");
+    return s;
+  };
+  const std::string a = done(sides.first.d), b = done(sides.second.d);
+  return a == b ? "Both: " + a + "." : "A: " + a + ". B: " + b + ".";
+}
+
+/// What the verdicts found.
+std::string sentence_on_verdicts(const Sides& sides) {
+  const auto found = [](const ReportData& d) {
+    std::vector<std::string> bad;
+    for (const ResultVerdict& v : d.verdict)
+      if (v.light == light_names::bad) bad.push_back(v.what);
+    if (d.interrupted.value_or(false)) bad.insert(bad.begin(), "it was interrupted");
+    return bad.empty() ? std::string("nothing is wrong") : "wrong is: " + joined(bad, ", ");
+  };
+  if (sides.first.d.verdict.empty() || sides.second.d.verdict.empty()) return {};
+  const std::string a = found(sides.first.d), b = found(sides.second.d);
+  return a == b ? "In both " + a + "." : "In A " + a + "; in B " + b + ".";
+}
+
+/// At most six sentences.
+Markup in_words(const Sides& sides) {
+  constexpr size_t kSentences = 6;
+  std::vector<Markup> said;
+  const auto say = [&](const std::string& s) {
+    if (!s.empty() && said.size() < kSentences) said.push_back(s);
+  };
+  say(sentence_on_acts(sides)), say(sentence_on_verdicts(sides));
+  for (const Told& t : kToldOfBones) say(sentence_on(t, sides));
+  for (const Told& t : kToldOfSkin) say(sentence_on(t, sides));
+  return html::section("What differs", html::list(said));
+}
+
 Markup lanes(const Sides& sides) {
   const std::vector<LaneOfReport> a = lanes_of(sides.first.d), b = lanes_of(sides.second.d);
   std::vector<html::Row> rows;
@@ -172,14 +246,14 @@ Markup lanes(const Sides& sides) {
     rows.push_back(row);
   }
   if (rows.empty()) return {};
-  return html::section("Lanes in time",
-                       html::table({"", "median A", "B", "B − A", "", "p99 A", "B", "B − A", ""}, rows));
+  return html::folded("Lanes in time",
+                      html::table({"", "median A", "B", "B − A", "", "p99 A", "B", "B − A", ""}, rows));
 }
 
 Markup scripts(const Sides& sides) {
   const std::vector<std::string>&a = sides.first.d.script, &b = sides.second.d.script;
   if (a.empty() && b.empty()) return {};
-  if (a == b) return html::section("Script", html::paragraph("The same " + std::to_string(a.size()) + " lines."));
+  if (a == b) return html::folded("Script", html::paragraph("The same " + std::to_string(a.size()) + " lines."));
   Markup text;
   for (const LineChange& c : line_changes(a, b)) {
     const std::string line = std::string(1, c.kind) + " " + c.line;
@@ -188,11 +262,11 @@ Markup scripts(const Sides& sides) {
                              : Markup(line)) +
             "\n";
   }
-  return html::section("Script", html::note("− only in A, + only in B.") + html::lines(text));
+  return html::folded("Script", html::note("− only in A, + only in B.") + html::lines(text));
 }
 
-/// The sections of the page, in their order.
-constexpr Markup (*kCompared[])(const Sides&) = {figures_of, stitches, pictures, lanes, scripts};
+/// What is folded below words and pictures, in its order.
+constexpr Markup (*kCompared[])(const Sides&) = {figures_of, stitches, lanes, scripts};
 
 std::string page_of(const Sides& sides) {
   const auto named = [](const ReportSource& s) {
@@ -200,7 +274,7 @@ std::string page_of(const Sides& sides) {
     return ViewedOperation{title_of(s.d) + " (" + dir.parent_path().filename().string() + ")", s.dir};
   };
   const Viewer turned = viewer({named(sides.first), named(sides.second)});
-  Markup all = turned.section;
+  Markup all = in_words(sides) + pictures(sides) + turned.section;
   for (const auto& section : kCompared) all += section(sides);
   return text_of({"Comparison", "Two operations compared", operations(sides.first, sides.second),
                   differences(sides.first.d, sides.second.d), all, sections::footer(sides.second), turned.nonce});

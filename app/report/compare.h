@@ -1,6 +1,6 @@
 #pragma once
-// Two results beside each other on one page: what differs in figures,
-// stitches, pictures and script. Self-contained like report.html.
+// Two results beside each other on one page: six sentences, pictures, both patients to be turned; folded below them
+// every figure, stitches, timing and script. Self-contained like report.html.
 //
 // A figure whose difference is larger than what both lattices' errors together
 // explain is marked; where no error is known for either, nothing is claimed.

@@ -131,6 +131,9 @@ Markup table(const Row& head, const std::vector<Row>& rows) { return table_with(
 Markup table_of_words(const Row& head, const std::vector<Row>& rows) { return table_with("bars", head, rows); }
 
 Markup titled(const Markup& title, const Markup& body) { return block("h3", "", title) + body; }
+Markup folded(const Markup& title, const Markup& body) {
+  return body.empty() ? body : tall_block("details", "", block("summary", "", title) + body);
+}
 Markup section(const Markup& title, const Markup& body) {
   return body.empty() ? body : tall_block("section", "", block("h2", "", title) + body);
 }

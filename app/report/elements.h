@@ -72,5 +72,7 @@ Markup table_of_words(const Row& head, const std::vector<Row>& rows);
 /// A title of the third order and what belongs to it.
 Markup titled(const Markup& title, const Markup& body);
 Markup section(const Markup& title, const Markup& body);
+/// A section of which only the title is seen until it is opened.
+Markup folded(const Markup& title, const Markup& body);
 
 }  // namespace limberg::html

@@ -1,5 +1,6 @@
 #include "app/report/parts.h"
 
+#include <algorithm>
 #include <filesystem>
 
 #include "app/report/html.h"
@@ -13,6 +14,8 @@ html::Light light_of_force(double force_N) {
 }
 
 std::string title_of(const ReportData& d) {
+  if (d.lesson.all_met.value_or(false) && !said(d.lesson.title).empty()) return capital(said(d.lesson.title));
+  if (!d.acts_title.empty()) return d.acts_title;
   return !said(d.scene_title).empty() ? capital(said(d.scene_title))
          : !said(d.scene).empty()     ? capital(said(d.scene))
          : d.command == "superpose"   ? "Superposition"
@@ -25,6 +28,28 @@ std::string title_of(const ReportData& d) {
 std::string capital(std::string s) {
   if (!s.empty() && s[0] >= 'a' && s[0] <= 'z') s[0] = char(s[0] - 'a' + 'A');
   return s;
+}
+
+std::string spoken(std::string name) {
+  for (const auto& [ending, unit] : {std::pair<std::string, const char*>{"_deg", "°"},
+                                     {"_mm", "mm"},
+                                     {"_percent", "%"},
+                                     {"_mm2", "mm²"},
+                                     {"_s", "s"},
+                                     {"_N", "N"},
+                                     {"_mN", "mN"},
+                                     {"_kPa", "kPa"}})
+    if (name.ends_with(ending)) {
+      name.resize(name.size() - ending.size());
+      name += "_(" + std::string(unit) + ")";
+      break;
+    }
+  for (size_t i = 1; i + 1 < name.size(); ++i)
+    if (name[i] == '_' && name[i - 1] >= '0' && name[i - 1] <= '9' && name[i + 1] >= '0' && name[i + 1] <= '9')
+      name[i] = '.';
+  std::replace(name.begin(), name.end(), '_', ' ');
+  std::replace(name.begin(), name.end(), '/', ' ');
+  return name;
 }
 
 std::string joined(const std::vector<std::string>& words, const char* between) {

@@ -20,10 +20,12 @@ inline constexpr double kAtRest = 1e-4;  // residual below which the tissue coun
 
 html::Light light_of_force(double force_N);
 
-/// What a result is of, for the title of its page.
+/// What a result is of, for the title of its page: the lesson that was met, else what was done, else the scene.
 std::string title_of(const ReportData& d);
 /// "Rhomboid" of "rhomboid".
 std::string capital(std::string words);
+/// A name of a figure in words: its unit in brackets, a point between digits.
+std::string spoken(std::string name);
 /// What there is of them, with `between` between two.
 std::string joined(const std::vector<std::string>& words, const char* between);
 

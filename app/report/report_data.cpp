@@ -8,6 +8,7 @@
 #include "app/result/json_nesting.h"
 #include "app/result/read_result.h"
 #include "sim/base/error.h"
+#include "sim/commands/words.h"
 
 namespace limberg {
 
@@ -50,7 +51,9 @@ void read_study(const Json& j, ReportData& d) {
 
 /// A stage without words of its own says what the script did since the stage before.
 void tell_stages(ReportData& d) {
-  const auto words_of = stage_words(d.script);
+  const std::vector<Command> acts = acts_of(d.script);
+  d.acts_title = title_of_acts(acts);
+  const auto words_of = stage_words(acts);
   for (size_t i = 0; i < std::min(d.stages.size(), words_of.size()); ++i)
     if (d.stages[i].caption.empty() && d.stages[i].name == words_of[i].first) d.stages[i].caption = words_of[i].second;
 }
@@ -58,7 +61,7 @@ void tell_stages(ReportData& d) {
 void read_story(const Json& j, ReportData& d) {
   ResultStory story;
   read(j, story);
-  d.reproduce = story.reproduce;
+  d.reproduce = story.reproduce, d.commands = story.commands;
   const auto column = [](const MaybeList<double>& v) { return v.value_or(std::vector<double>()); };
   d.series_t_s = column(story.series.t_s);
   d.series_residual = column(story.series.residual);

@@ -25,7 +25,9 @@ struct ReportData : ResultOrigin, ResultRun {
   std::vector<ResultConvergence> convergence;
   std::map<std::string, ResultError> errors;  // by the name of the metric
   std::vector<std::string> script;
+  std::string acts_title;  // of the acts in it (title_of_acts)
   std::string reproduce;
+  MaybeCount commands;  // how many were carried out
   std::string study, about;
   std::vector<std::string> study_columns;
   std::vector<std::vector<Maybe>> study_rows;  // as the columns

@@ -37,7 +37,7 @@
 //                  [{"name", "markers", "x": [...], "y": [...]}]}]
 //                  of a study; rows are shown in the order of the columns
 //   "charts" and "tables": [{"title", "about", "columns": [name], "rows": [[text]]}] of other commands too
-//   "series": also "closure_N", "suture_max_N" of a session, over t_s
+//   "series": also "closure_N", "suture_max_N" of a session, over t_s; "unsettled": how many are not drawn
 //   "exercise":    {name: number, "design": {name: number}}; "lesson": {"title", "goal", "tolerances": [{"name",
 //   "unit", "limit",
 //                  "value" (absent: not measured, "why"), "met"}], "hints": [...]}

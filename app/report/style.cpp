@@ -12,6 +12,8 @@ html{-webkit-text-size-adjust:100%}
 body{margin:0 auto;max-width:1080px;padding:24px 20px 64px;background:var(--paper);color:var(--ink);font:16px/1.55 system-ui,-apple-system,"Segoe UI",Roboto,"DejaVu Sans",sans-serif}
 h1{font-size:clamp(1.6rem,5vw,2.3rem);line-height:1.15;margin:0 0 4px;letter-spacing:-.01em}
 h2{font-size:1.3rem;margin:46px 0 12px;padding-top:10px;border-top:1px solid var(--grid)}
+details{margin:14px 0;padding-top:10px;border-top:1px solid var(--grid)}
+summary{cursor:pointer;font-size:1.15rem;font-weight:600}
 h3{font-size:1.02rem;margin:22px 0 6px}
 p{margin:8px 0;max-width:75ch}
 .soft,figcaption,.note{color:var(--soft)}
@@ -21,7 +23,7 @@ p{margin:8px 0;max-width:75ch}
 .notice{margin:14px 0;padding:10px 16px;background:var(--card);border-left:6px solid var(--warn);border-radius:6px}
 .cards{display:grid;grid-template-columns:repeat(auto-fit,minmax(168px,1fr));gap:12px;margin:18px 0}
 .card{background:var(--card);border-radius:8px;padding:12px 14px}
-.card b{display:block;font-size:1.32rem;line-height:1.25;font-variant-numeric:tabular-nums;white-space:nowrap}
+.card b{display:block;font-size:1.32rem;line-height:1.25;font-variant-numeric:tabular-nums;overflow-wrap:anywhere}
 .card span{font-size:.86rem;color:var(--soft)}
 .card .why{display:block;margin-top:2px}
 figure{margin:0}

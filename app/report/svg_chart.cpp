@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -169,15 +170,21 @@ ChartSeries thinned(const ChartSeries& s, size_t most) {
   const size_t stretches = most / 2;
   for (size_t k = 0; k < stretches; ++k) {
     const size_t b = k * n / stretches, e = (k + 1) * n / stretches;
-    size_t low = b, high = b;
+    std::array<size_t, 3> kept{n, n, n};  // the lowest, the highest, the first gap
+    auto& [low, high, gap] = kept;
     for (size_t i = b; i < e; ++i) {
-      if (!(s.y[low] <= s.y[i])) low = i;
-      if (!(s.y[high] >= s.y[i])) high = i;
+      if (!std::isfinite(s.y[i])) {
+        if (gap == n) gap = i;
+        continue;
+      }
+      if (low == n || s.y[i] < s.y[low]) low = i;
+      if (high == n || s.y[i] > s.y[high]) high = i;
     }
-    for (const size_t i : {std::min(low, high), std::max(low, high)}) {
-      if (!out.x.empty() && low == high && i != b && out.x.back() == s.x[i]) continue;
-      out.x.push_back(s.x[i]);
-      out.y.push_back(s.y[i]);
+    std::sort(kept.begin(), kept.end());
+    for (size_t j = 0; j < kept.size(); ++j) {
+      if (kept[j] == n || (j > 0 && kept[j] == kept[j - 1])) continue;
+      out.x.push_back(s.x[kept[j]]);
+      out.y.push_back(s.y[kept[j]]);
     }
   }
   return out;

@@ -60,7 +60,8 @@ std::string in_plain_colours(std::string_view svg);
 /// Tick values of an axis from lo to hi: round steps, or the powers of ten (with 2 and 5 between when there are few).
 std::vector<double> axis_ticks(double lo, double hi, bool log);
 
-/// At most about `most` points that keep every peak: the lowest and the highest of each stretch.
+/// At most about `most` points that keep every peak and every gap: the lowest, the highest and the first gap of each
+/// stretch.
 ChartSeries thinned(const ChartSeries& series, size_t most);
 
 }  // namespace limberg

@@ -1,5 +1,7 @@
 #include "app/result/progress.h"
 
+#include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -10,32 +12,52 @@
 
 namespace limberg {
 
-Progress::Progress(std::string label) : label_(std::move(label)), terminal_(isatty(STDERR_FILENO) == 1) {}
+Progress::Progress(std::string label) : Progress(std::move(label), STDERR_FILENO, kLogEvery_ns) {}
+
+Progress::Progress(std::string label, int to, int64_t log_every_ns)
+    : label_(std::move(label)),
+      to_(to),
+      log_every_ns_(log_every_ns),
+      last_ns_(RealClock::monotonic_ns()),
+      place_(place_of(to)) {}
+
+Progress::Place Progress::place_of(int to) {
+  if (isatty(to) == 1) return Place::terminal;
+  struct stat st {};
+  return fstat(to, &st) == 0 && S_ISREG(st.st_mode) ? Place::log : Place::nowhere;
+}
+
+/// Whether enough time has passed since the last words.
+bool Progress::due() {
+  if (place_ == Place::nowhere) return false;
+  const int64_t now = RealClock::monotonic_ns(), every = place_ == Place::log ? log_every_ns_ : 100 * kNsPerMs;
+  if ((shown_ || place_ == Place::log) && now - last_ns_ < every) return false;
+  last_ns_ = now;
+  return true;
+}
+
+void Progress::write(const std::string& words) {
+  const std::string text = place_ == Place::log ? "limberg: " + label_ + ": " + shown(words) + "\n"
+                                                : "\r" + label_ + "  " + shown(words) + "\033[K";
+  shown_ = place_ == Place::terminal;
+  [[maybe_unused]] const ssize_t n = ::write(to_, text.data(), text.size());  // words that are lost are no loss
+}
 
 void Progress::show(double done, double total, const char* unit) {
-  if (!terminal_) return;
-  const int64_t now = RealClock::monotonic_ns();
-  if (shown_ && now - last_ns_ < 100 * kNsPerMs) return;
-  last_ns_ = now;
-  shown_ = true;
-  if (total > 0)  // whole things are counted, seconds and megabytes have tenths
-    std::fprintf(stderr, "\r%s  %.*f of %.*f %s  %3.0f %%\033[K", label_.c_str(), done != std::round(done), done,
-                 total != std::round(total), total, unit, 100 * done / total);
-  else
-    std::fprintf(stderr, "\r%s  %.1f %s\033[K", label_.c_str(), done, unit);
-  std::fflush(stderr);
+  if (!due()) return;
+  // Whole things are counted, seconds and megabytes have tenths.
+  write(total > 0 ? fmt::format("{:.{}f} of {:.{}f} {}  {:3.0f} %", done, int(done != std::round(done)), total,
+                                int(total != std::round(total)), unit, 100 * done / total)
+                  : fmt::format("{:.1f} {}", done, unit));
 }
 
 void Progress::note(const std::string& text) {
-  if (!terminal_) return;
-  shown_ = true;
-  std::fprintf(stderr, "\r%s  %s\033[K", label_.c_str(), shown(text).c_str());
-  std::fflush(stderr);
+  if (place_ == Place::terminal || due()) write(text);
 }
 
 void Progress::clear() {
   if (!shown_) return;
-  std::fputs("\r\033[K", stderr);
+  [[maybe_unused]] const ssize_t n = ::write(to_, "\r\033[K", 4);
   shown_ = false;
 }
 

@@ -126,13 +126,15 @@ void fields(ResultRun& x, auto&& f) {
   f("device", x.device), f("solver", x.solver), f("render", x.render), f("latency_ms", x.latency_ms);
 }
 
-/// series: of the solver, an entry a step or thinner; null where a value is missing.
+/// series: of the solver, an entry a step or thinner; null where a value is missing. unsettled: how many entries of
+/// closure_N are of tissue out of balance, and no forces of the patient (settled_forces.h).
 struct ResultSeries {
   MaybeList<double> t_s, residual, distance_mm, closure_N, suture_max_N;
+  MaybeCount unsettled;
 };
 void fields(ResultSeries& x, auto&& f) {
   f("t_s", x.t_s), f("residual", x.residual), f("distance_mm", x.distance_mm), f("closure_N", x.closure_N);
-  f("suture_max_N", x.suture_max_N);
+  f("suture_max_N", x.suture_max_N), f("unsettled", x.unsettled);
 }
 
 /// What was done. script: a line for each act. reproduce: the call that makes the result again. repro: files of cuts

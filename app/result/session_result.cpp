@@ -4,6 +4,7 @@
 #include "app/head/report.h"
 #include "app/report/report_names.h"
 #include "app/result/metrics.h"
+#include "app/result/settled_forces.h"
 #include "app/result/times.h"
 #include "sim/commands/script.h"
 #include "sim/commands/strokes.h"
@@ -103,7 +104,10 @@ ResultStage stage_of(const StageRow& s) {
 
 ResultSeries series_of(const SolverSeries& s) {
   const auto list = [](const std::vector<float>& v) { return std::vector<double>(v.begin(), v.end()); };
-  return {list(s.t_s), list(s.residual), list(s.distance_mm), list(s.closure_N), list(s.suture_max_N)};
+  ResultSeries told{list(s.t_s), list(s.residual), list(s.distance_mm), list(s.closure_N), list(s.suture_max_N), {}};
+  const SettledForces settled = settled_forces(*told.residual, *told.closure_N, *told.suture_max_N);
+  if (settled.pulling > 0) told.unsettled = int64_t(settled.unsettled);
+  return told;
 }
 
 MaybeList<std::string> script_of(std::span<const Command> done) {

@@ -22,6 +22,8 @@ class PictureSink {
   virtual void second_hand(const SecondHand& hand, const SecondHand& other) { (void)hand, (void)other; }
   /// One frame of the running session.
   virtual void frame(const Snapshot& snapshot, const ToolState& tool) = 0;
+  /// The running session looks as it did at the last frame (visible.h): who keeps every frame keeps that one again.
+  virtual void same_frame() {}
   /// A named stage of the operation was passed: the picture that goes into the report.
   virtual void stage(const std::string& name, const Snapshot& snapshot) = 0;
   /// After the last frame, on the same thread: the place to let go of a GL context.

@@ -51,6 +51,8 @@ class RenderLane {
         drawn = true;
         ++frames_drawn_;
         remember(s);
+      } else if (frames_ && frames_drawn_ > 0) {
+        sink_->same_frame();
       }
     }
     return drawn;

@@ -51,6 +51,8 @@ struct Deed {
 template <class C>
 struct Act;
 
+// A row may also have a `noun`, of which titles are made: "excision".
+
 // What rows share.
 namespace row {
 
@@ -97,6 +99,7 @@ std::string rounded_text(double value, int digits);
 template <>
 struct Act<Incise> {
   static constexpr const char* name = "incise";
+  static constexpr const char* noun = "incision";
   static constexpr Needs needs = Needs::skin;
   static constexpr bool cuts_skin = true;
   static constexpr const char* help = "A cut along a path on the skin.";
@@ -149,6 +152,7 @@ struct Act<InciseMore> {
 template <>
 struct Act<Undermine> {
   static constexpr const char* name = "undermine";
+  static constexpr const char* noun = "undermining";
   static constexpr Needs needs = Needs::skin;
   static constexpr bool cuts_skin = true;
   static constexpr const char* help = "A cut below the skin, at one depth under an outline.";
@@ -170,6 +174,7 @@ struct Act<Undermine> {
 template <>
 struct Act<Excise> {
   static constexpr const char* name = "excise";
+  static constexpr const char* noun = "excision";
   static constexpr Needs needs = Needs::skin;
   static constexpr bool cuts_skin = true;
   static constexpr const char* help = "A plug of tissue is cut round and below, and taken away.";
@@ -195,6 +200,7 @@ struct Act<Excise> {
 template <>
 struct Act<ExcisePiece> {
   static constexpr const char* name = "excise";
+  static constexpr const char* noun = "excision";
   static constexpr const char* mark = "at";
   static constexpr Needs needs = Needs::skin;
   static constexpr bool cuts_skin = true;
@@ -208,6 +214,7 @@ struct Act<ExcisePiece> {
 template <>
 struct Act<CutThrough> {
   static constexpr const char* name = "cut_through";
+  static constexpr const char* noun = "cut right through";
   static constexpr Needs needs = Needs::skin;
   static constexpr bool cuts_skin = true;
   static constexpr const char* help =
@@ -283,6 +290,7 @@ struct Act<ReleaseHook> {
 template <>
 struct Act<Suture> {
   static constexpr const char* name = "suture";
+  static constexpr const char* noun = "sutures";
   static constexpr Needs needs = Needs::skin;
   static constexpr bool sews = true;
   static constexpr const char* help = "One stitch.";
@@ -300,6 +308,7 @@ struct Act<Suture> {
 template <>
 struct Act<SutureRow> {
   static constexpr const char* name = "suture_row";
+  static constexpr const char* noun = "sutures";
   static constexpr Needs needs = Needs::skin;
   static constexpr bool sews = true;
   static constexpr const char* help = "Stitches along two paths beside the two edges, ends included.";
@@ -324,6 +333,7 @@ struct Act<SutureRow> {
 template <>
 struct Act<SutureCorner> {
   static constexpr const char* name = "suture_corner";
+  static constexpr const char* noun = "sutures";
   static constexpr Needs needs = Needs::skin;
   static constexpr bool sews = true;
   static constexpr const char* help =
@@ -342,6 +352,7 @@ struct Act<SutureCorner> {
 template <>
 struct Act<SutureBetween> {
   static constexpr const char* name = "suture_between";
+  static constexpr const char* noun = "sutures";
   static constexpr Needs needs = Needs::skin;
   static constexpr bool sews = true, looks_back = true;
   static constexpr const char* help = "A row along the wound's edges between two stitches.";

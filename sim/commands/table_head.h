@@ -27,6 +27,7 @@ inline constexpr const char* kGrounds[] = {"bone", "face"};
 template <>
 struct Act<CutBone> {
   static constexpr const char* name = "osteotomy";
+  static constexpr const char* noun = "osteotomy";
   static constexpr Needs needs = Needs::head;
   static constexpr const char* help =
       "A cut through all of the bone, along a closed line through places on its surface, or by a plane.";
@@ -60,6 +61,7 @@ struct Act<CutBone> {
 template <>
 struct Act<CutBoneByBlade> {
   static constexpr const char* name = "osteotomy";
+  static constexpr const char* noun = "osteotomy";
   static constexpr const char* mark = "rays";
   static constexpr Needs needs = Needs::head;
   static constexpr const char* help =
@@ -96,6 +98,7 @@ struct Act<CutBoneByBlade> {
 template <>
 struct Act<MoveFragment> {
   static constexpr const char* name = "move_fragment";
+  static constexpr const char* noun = "fragments moved";
   static constexpr Needs needs = Needs::head;
   static constexpr const char* help =
       "A fragment is moved by so much from where it is: turned, as things lie now, then shifted.";
@@ -148,6 +151,7 @@ struct Act<DragFragment> {
 template <>
 struct Act<LetGo> {
   static constexpr const char* name = "let_go";
+  static constexpr const char* noun = "fragments moved";
   static constexpr Needs needs = Needs::head;
   static constexpr const char* help = "The hand opens.";
   static constexpr const char* example = R"({"action":"let_go","snap":true})";
@@ -162,6 +166,7 @@ struct Act<LetGo> {
 template <>
 struct Act<PlateFragments> {
   static constexpr const char* name = "plate";
+  static constexpr const char* noun = "plates";
   static constexpr Needs needs = Needs::head;
   static constexpr const char* help = "A plate from bone to bone: its two fragments move together.";
   static constexpr const char* example = R"({"action":"plate","a":[10,80,-60],"b":[10,80,-66]})";
@@ -219,6 +224,7 @@ struct Act<MergeFaces> {
 template <>
 struct Act<SmoothSurface> {
   static constexpr const char* name = "smooth_surface";
+  static constexpr const char* noun = "bone smoothed";
   static constexpr Needs needs = Needs::head;
   static constexpr const char* help =
       "The surface of the bone about a place is smoothed by its curvature; the bone keeps its volume.";
@@ -236,6 +242,7 @@ struct Act<SmoothSurface> {
 template <>
 struct Act<PushSurface> {
   static constexpr const char* name = "push_surface";
+  static constexpr const char* noun = "bone pushed";
   static constexpr Needs needs = Needs::head;
   static constexpr const char* help =
       "A ball goes from one place to another and pushes the bone's surface out of its way; the surface stays so.";

@@ -262,8 +262,14 @@ TEST_F(Recorded, AFilmReplacesAnotherWholeOrNotAtAll) {
   };
   for (const std::string status : {"1", "0"}) {
     file("status", status);
-    const Outcome o = run("replay " + log_ + " --film " + film);
+    const Outcome o =
+        run("replay " + log_ + " --film " + film + " --frames 10 --film-size 160x90 --json " + path("film.json"));
     EXPECT_EQ(o.status, status == "1" ? 2 : 0) << o.err;
+    if (status == "0") {  // this encoder keeps what it gets: a frame for every tenth of a second, drawn anew or not
+      const auto seconds = nlohmann::json::parse(slurp(path("film.json")))["duration_s"].get<double>();
+      EXPECT_EQ(slurp(film).size() % (160 * 90 * 3), 0u);
+      EXPECT_NEAR(double(slurp(film).size()) / (160 * 90 * 3), 10 * seconds, 2);
+    }
     EXPECT_EQ(slurp(film) == "yesterday's", status == "1");
     EXPECT_EQ(parts(), 0);
   }

@@ -31,6 +31,25 @@ DesignTask task_of(const char* defect, std::vector<std::string> types) {
   return t;
 }
 
+/// By how much a text of the ranking reaches over the right edge of its card, at 0.55 of its size a letter.
+double overhang_px(const std::string& svg) {
+  constexpr double kCard = 236, kPitch = 248, kFirst = 12, kBelowHead = 58;
+  double over = 0;
+  for (size_t at = svg.find("<text x=\""); at != std::string::npos; at = svg.find("<text x=\"", at + 1)) {
+    const size_t from = svg.find('>', at) + 1, to = svg.find("</text>", from);
+    const std::string tag = svg.substr(at, from - at), words = svg.substr(from, to - from);
+    const double x = std::stod(tag.substr(9)), y = std::stod(tag.substr(tag.find("y=\"") + 3));
+    if (y < kBelowHead) continue;
+    size_t letters = 0;
+    for (size_t i = 0; i < words.size(); ++i) letters += words[i] == '&' ? i = words.find(';', i), 1 : 1;
+    const double wide = 0.55 * (tag.find("font-size=\"14\"") == std::string::npos ? 12 : 14) * double(letters);
+    const bool ends_here = tag.find("text-anchor=\"end\"") != std::string::npos;
+    const double card = kFirst + kPitch * std::floor((x - kFirst) / kPitch);
+    over = std::max({over, ends_here ? card - (x - wide) : x + wide - (card + kCard)});
+  }
+  return over;
+}
+
 TEST(Design, ADefectIsACircleOrAnOutline) {
   const auto circle = parse_defect("circle:3,-4,10");
   for (const ChartPoint& p : circle) EXPECT_NEAR((p - Vec2(3, -4)).norm(), 5, 1e-12);
@@ -140,6 +159,14 @@ TEST(Design, TheSearchRanksTellsHowFarItIsAndDraws) {
   EXPECT_NE(picture.find("1. fusiform"), std::string::npos);
   EXPECT_NE(picture.find("2. fusiform"), std::string::npos);
   EXPECT_TRUE(ranking_svg({}, task, 0).empty());
+  // Of the longest names and figures, too, every text ends within its card.
+  std::vector<Design> wide(4, found[0]);
+  for (Design& d : wide)
+    d.plan.procedure = "dufourmentel", d.plan.turn_deg = 322.5, d.plan.mirrored = true, d.fine = false,
+    d.force_N = 12.34, d.dog_ear_mm = 12.3, d.landmark_mm = 12.3;
+  DesignTask spared = task;
+  spared.spare = {{"corner of the left eye", {30, 5}}};
+  EXPECT_EQ(overhang_px(ranking_svg(wide, spared, 0)), 0);
   // A landmark has the name that its file gives it.
   DesignTask named = task;
   named.spare = {{"</text><script>\x1b&\xff", {0, 0}}};

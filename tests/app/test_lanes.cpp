@@ -47,7 +47,8 @@ struct Hands final : PictureSink {
   void frame(const Snapshot&, const ToolState&) override { ++frames; }
   void stage(const std::string&, const Snapshot&) override {}
   SecondHand glove, other;
-  int frames = 0;
+  void same_frame() override { ++same; }
+  int frames = 0, same = 0;
 };
 
 TEST(RenderLane, DrawsAgainWhenTheGloveHasMoved) {
@@ -108,6 +109,8 @@ TEST(RenderLane, DrawsAgainWhenThePatientHasMovedVisibly) {
   EXPECT_EQ(drawn(), 1) << "small motions add up";
   patient.sutures.emplace_back();
   EXPECT_EQ(drawn(), 1);
+  EXPECT_EQ(sink.frames, 3);
+  EXPECT_EQ(sink.same, 2) << "who keeps every frame hears of those that are not drawn";
 }
 
 }  // namespace test_lanes

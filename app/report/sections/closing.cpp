@@ -6,6 +6,7 @@
 #include "app/report/html.h"
 #include "app/report/report_names.h"
 #include "app/report/sections.h"
+#include "app/result/settled_forces.h"
 #include "sim/base/whole_file.h"
 
 namespace limberg::sections {
@@ -24,20 +25,34 @@ html::Markup map_in(const std::string& dir, const char* name, const char* alt) {
   }
 }
 
+/// What is no force is not drawn, and said.
+html::Markup left_out(const SettledForces& f) {
+  if (f.unsettled == 0) return {};
+  double most = 0;
+  for (const double v : f.sum_N)
+    if (v > most) most = v;
+  return html::note(html::number(double(f.unsettled)) + " of " + html::number(double(f.pulling)) +
+                    " samples with stitches are left out, gaps in the lines: there the tissue was out of balance by "
+                    "more than 1\u202f% of its forces (the solver had not caught up with the hand), and what a thread "
+                    "then says is no force. The largest sum in the others is " +
+                    quantity(most, "N") + ".");
+}
+
 html::Markup force_over_time(const ReportData& d) {
-  const std::vector<double>& sum = d.series_closure_N;
-  if (sum.size() < 2 || d.series_t_s.size() < sum.size()) return {};
-  if (!std::any_of(sum.begin(), sum.end(), [](double f) { return f > 0; })) return {};
+  if (d.series_closure_N.size() < 2 || d.series_t_s.size() < d.series_closure_N.size()) return {};
+  const SettledForces settled = settled_forces(d.series_residual, d.series_closure_N, d.series_suture_max_N);
+  if (settled.pulling == 0) return {};
+  const std::vector<double>& sum = settled.sum_N;
   LineChart chart;
   chart.description = "Sum of the stitches' forces and the largest of them over time";
   chart.x.title = "time of the recording, s", chart.y.title = "N";
   std::vector<double> t = d.series_t_s;
   t.resize(sum.size());
   chart.series.push_back(thinned({"sum of all stitches", t, sum, false}, 600));
-  if (d.series_suture_max_N.size() == t.size())
-    chart.series.push_back(thinned({"largest stitch", t, d.series_suture_max_N, false}, 600));
+  if (settled.most_N.size() == t.size())
+    chart.series.push_back(thinned({"largest stitch", t, settled.most_N, false}, 600));
   chart.x_marks = stage_marks(d);
-  return html::titled("Closure force over the operation", html::chart(svg(chart)));
+  return html::titled("Closure force over the operation", left_out(settled) + html::chart(svg(chart)));
 }
 
 html::Markup table_of(const ResultTable& t) {

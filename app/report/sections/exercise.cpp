@@ -11,29 +11,6 @@ using html::quantity;
 
 namespace {
 
-/// A name of a figure in words: its unit in brackets, a point between digits.
-std::string spoken(std::string name) {
-  for (const auto& [ending, unit] : {std::pair<std::string, const char*>{"_deg", "°"},
-                                     {"_mm", "mm"},
-                                     {"_percent", "%"},
-                                     {"_mm2", "mm²"},
-                                     {"_s", "s"},
-                                     {"_N", "N"},
-                                     {"_mN", "mN"},
-                                     {"_kPa", "kPa"}})
-    if (name.ends_with(ending)) {
-      name.resize(name.size() - ending.size());
-      name += "_(" + std::string(unit) + ")";
-      break;
-    }
-  for (size_t i = 1; i + 1 < name.size(); ++i)
-    if (name[i] == '_' && name[i - 1] >= '0' && name[i - 1] <= '9' && name[i + 1] >= '0' && name[i + 1] <= '9')
-      name[i] = '.';
-  std::replace(name.begin(), name.end(), '_', ' ');
-  std::replace(name.begin(), name.end(), '/', ' ');
-  return name;
-}
-
 html::Markup judged(const ResultTolerance& t) {
   if (t.value) {
     html::Markup said = t.met ? html::bold("met", Light::good) : html::bold("missed", Light::bad);

@@ -122,6 +122,17 @@ html::Markup damage(const ReportData& d) {
                       ".");
 }
 
+/// Of a run that a person ended: how far it came.
+html::Markup interrupted(const ReportData& d) {
+  if (!d.interrupted.value_or(false)) return {};
+  std::vector<std::string> where;
+  if (d.duration_s) where.push_back("after " + quantity(d.duration_s, "s"));
+  if (d.commands) where.push_back("after " + number(double(*d.commands)) + (*d.commands == 1 ? " act" : " acts"));
+  if (!d.stages.empty()) where.push_back("the last stage that was passed is \u201c" + d.stages.back().name + "\u201d");
+  return html::notice(html::bold("Interrupted.") + " What was done by then is told and drawn" +
+                      (where.empty() ? "" : ": " + joined(where, ", ")) + ".");
+}
+
 html::Markup last_picture(const ReportSource& source) {
   const std::string url = picture_url(source.dir, source.d.pictures.overview);
   const char* alt =
@@ -193,7 +204,7 @@ html::Markup key_figures(const ReportData& d) {
 
 html::Markup summary(const ReportSource& source) {
   const ReportData& d = source.d;
-  return faults(d) + verdict_line(d) + damage(d) + last_picture(source) + key_figures(d);
+  return interrupted(d) + faults(d) + verdict_line(d) + damage(d) + last_picture(source) + key_figures(d);
 }
 
 }  // namespace limberg::sections

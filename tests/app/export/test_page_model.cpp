@@ -119,6 +119,25 @@ TEST(PageModel, PlacesAreThePatientsWithinHalfAStep) {
   EXPECT_GT(most, 0.4 * step);  // whole steps, as it says
 }
 
+TEST(PageModel, AStrokeInPiecesIsOneAct) {
+  Slit slit;
+  PageModel model("s");
+  const Snapshot& first = slit.seen.front();
+  model.frame(0, first);
+  model.done(1, InciseMore{1, {{0, 0}, {5, 0}}, 4, 90, false});
+  model.done(2, InciseMore{1, {{12, 0}}, 4, 90, false});
+  model.done(3, InciseMore{1, {{20, 0}}, 4, 90, true});
+  model.done(4, InciseMore{2, {{0, 3}, {6, 3}}, 4, 90, false});  // stopped: no last piece comes
+  model.done(5, Suture{{0, 1}, {0, -1}, 0});
+  model.frame(6, slit.seen.back());
+  const Model m(model.bytes("block", somewhere(), 16. / 9));
+  std::vector<std::string> acts;
+  for (const json& a : m.told["acts"]) acts.push_back(a["words"]);
+  EXPECT_EQ(acts,
+            (std::vector<std::string>{in_words(Incise{{{0, 0}, {20, 0}}, 4}), in_words(Incise{{{0, 3}, {6, 3}}, 4}),
+                                      in_words(Suture{{0, 1}, {0, -1}, 0})}));
+}
+
 TEST(PageModel, EveryStageActStitchAndFieldIsThere) {
   Slit slit;
   const Model m(slit.model.bytes("block", somewhere(), 16. / 9));

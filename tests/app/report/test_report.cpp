@@ -10,6 +10,7 @@
 #include "app/report/report.h"
 #include "app/report/report_data.h"
 #include "app/report/report_names.h"
+#include "app/result/settled_forces.h"
 #include "render/image.h"
 #include "sim/base/error.h"
 #include "tests/app/report/xml_check.h"
@@ -112,6 +113,70 @@ TEST_F(Report, HoldsTheFigures) {
 TEST_F(Report, SameInputSameBytes) {
   const std::string first = make(kFull);
   EXPECT_EQ(make(kFull), first);
+}
+
+TEST_F(Report, ForcesOfUnsettledSamplesAreLeftOutAndCounted) {
+  // A spring that has not converged pulls with 275 N; and once with a value that could be true.
+  const std::string h = make(
+      R"({"series":{"t_s":[0,1,2,3,4,5],"residual":[0.5,1e-3,0.9,2e-3,0.02,1e-5],
+          "closure_N":[0,1.5,275,1.75,1.6,1.7],"suture_max_N":[0,0.5,90,0.5,0.5,0.5]}})");
+  EXPECT_NE(h.find("2 of 5 samples with stitches are left out"), std::string::npos);
+  EXPECT_NE(h.find("1.75\u202fN"), std::string::npos);
+  const size_t at = h.find("<svg", h.find("Closure force over the operation"));
+  ASSERT_NE(at, std::string::npos);
+  const std::string chart = h.substr(at, h.find("</svg>", at) - at);
+  EXPECT_EQ(chart.find(">200<"), std::string::npos) << "the axis reaches to what was left out";
+  EXPECT_EQ(count(chart, "M"), 2 * 3u) << "each line has two gaps";
+  // Where all are settled nothing is said.
+  EXPECT_EQ(make(R"({"series":{"t_s":[0,1],"residual":[1e-3,1e-3],"closure_N":[1,2],"suture_max_N":[1,1]}})")
+                .find("left out"),
+            std::string::npos);
+}
+
+TEST(SettledForces, KeepsWhatIsInBalanceAndCountsTheRest) {
+  const std::vector<double> residual{1, kForcesSettled, 2 * kForcesSettled, NAN}, sum{0, 3, 4, 5}, most{0, 1, 2, 3};
+  const SettledForces f = settled_forces(residual, sum, most);
+  EXPECT_EQ(f.pulling, 3u);
+  EXPECT_EQ(f.unsettled, 1u);
+  EXPECT_EQ(f.sum_N[0], 0) << "no stitch pulls: nothing is wrong with nothing";
+  EXPECT_EQ(f.sum_N[1], 3);
+  EXPECT_TRUE(std::isnan(f.sum_N[2]) && std::isnan(f.most_N[2]));
+  EXPECT_EQ(f.sum_N[3], 5) << "without a residual nothing is known against it";
+}
+
+TEST_F(Report, TitlesSayWhatWasDone) {
+  const auto title = [&](const std::string& json) {
+    const std::string h = make(json);
+    const size_t at = h.find("<h1>") + 4;
+    return h.substr(at, h.find("</h1>") - at);
+  };
+  const std::string acts =
+      R"("scene_title":"rhomboid","script":[{"action":"excise","outline":[[0,0],[20,0],[20,10],[0,10]],"depth_mm":4},
+         {"action":"suture","a":[0,0],"b":[1,0]}])";
+  EXPECT_EQ(title("{" + acts + "}"), "Excision and sutures");
+  EXPECT_EQ(title("{" + acts + R"(,"lesson":{"title":"a rhomboid flap","all_met":true}})"), "A rhomboid flap");
+  EXPECT_EQ(title("{" + acts + R"(,"lesson":{"title":"a rhomboid flap","all_met":false}})"), "Excision and sutures");
+  EXPECT_EQ(title(R"({"scene_title":"rhomboid"})"), "Rhomboid");
+}
+
+TEST_F(Report, AnInterruptedRunSaysHowFarItCame) {
+  const std::string h =
+      make(R"({"interrupted":true,"duration_s":12.5,"commands":7,"stages":[{"name":"defect"},{"name":"flap cut"}]})");
+  EXPECT_NE(h.find("Interrupted."), std::string::npos);
+  EXPECT_NE(h.find("after 12.5\u202fs, after 7 acts, the last stage that was passed is “flap cut”"), std::string::npos);
+  EXPECT_EQ(make(R"({"interrupted":false,"commands":7})").find("Interrupted."), std::string::npos);
+}
+
+// A stage was passed while the blade was in the skin.
+TEST_F(Report, AStrokeIsToldWholeInTheStageWhereItBegan) {
+  const std::string h = make(
+      R"({"stages":[{"name":"one"},{"name":"two"}],"script":[
+    {"action":"incise","stroke":1,"path":[[0,0],[5.2,0]],"depth_mm":4,"more":true},{"action":"stage","name":"one"},
+    {"action":"incise","stroke":1,"path":[[12,0]],"depth_mm":4,"more":true},
+    {"action":"incise","stroke":1,"path":[[20,0]],"depth_mm":4},
+    {"action":"suture","a":[0,0],"b":[1,0]},{"action":"stage","name":"two"}]})");
+  EXPECT_NE(h.find("Incision of 20 mm, 4 mm deep."), std::string::npos);
+  EXPECT_EQ(count(h, "Incision of"), 1u);
 }
 
 TEST_F(Report, StagesSayWhatTheScriptDid) {
@@ -324,6 +389,17 @@ TEST_F(Report, ComparesTwoResults) {
   const std::string html = comparison_html(kFull, dir.string(), other, dir.string());
   EXPECT_EQ(xml_fault(html), "");
   EXPECT_NE(html.find("Different states"), std::string::npos);
+  // Sentences and pictures come first, every figure is folded below them.
+  EXPECT_NE(html.find("The stitches together pull with 7.25\u202fN in A and 9.25\u202fN in B, 28\u202f% more, beyond "
+                      "what the errors of the lattices explain."),
+            std::string::npos);
+  EXPECT_NE(html.find("The skin stands up by at most 1.9\u202fmm in A and 2.9\u202fmm in B"), std::string::npos);
+  const size_t words = html.find("What differs"), pairs = html.find(">Pictures<"), figures = html.find("All figures");
+  EXPECT_TRUE(words < pairs && pairs < figures && figures != std::string::npos);
+  EXPECT_LE(count(html.substr(words, pairs - words), "<li>"), 6u);
+  EXPECT_EQ(count(html, "<details>"), 4u);
+  EXPECT_EQ(html.find(">something_new_kPa<"), std::string::npos) << "a name of the file as a name";
+  EXPECT_NE(html.find(">something new (kPa)<"), std::string::npos);
   const auto row = [&](const std::string& name) {
     const size_t at = html.find("<span title=\"" + name + ": ");
     return at == std::string::npos ? std::string() : html.substr(at, html.find("</tr>", at) - at);

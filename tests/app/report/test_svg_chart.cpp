@@ -106,6 +106,21 @@ TEST(Chart, ThinningKeepsPeaks) {
   EXPECT_TRUE(std::is_sorted(t.x.begin(), t.x.end()));
 }
 
+TEST(Chart, ThinningKeepsPeaksBesideGapsAndTheGaps) {
+  ChartSeries s;
+  for (int i = 0; i < 5000; ++i) {
+    s.x.push_back(i), s.y.push_back(std::sin(0.01 * i));
+    if (i % 500 == 250) s.y.back() = NAN;
+  }
+  s.y[251] = 5, s.y[749] = -5;
+  const ChartSeries t = thinned(s, 200);
+  EXPECT_LE(t.x.size(), 300u);
+  EXPECT_TRUE(std::is_sorted(t.x.begin(), t.x.end()));
+  EXPECT_EQ(std::count(t.y.begin(), t.y.end(), 5), 1);
+  EXPECT_EQ(std::count(t.y.begin(), t.y.end(), -5), 1);
+  EXPECT_EQ(std::count_if(t.y.begin(), t.y.end(), [](double v) { return std::isnan(v); }), 10);
+}
+
 TEST(Chart, LineAndRangeChartsAreWellFormed) {
   LineChart c;
   c.description = "a \"chart\" <of> & things";

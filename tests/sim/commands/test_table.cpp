@@ -277,6 +277,35 @@ TEST(Words, AStoryTellsCutsThenCountsTheRest) {
   EXPECT_EQ(story_of({}), "");
 }
 
+TEST(Words, AStoryTellsWhatAHandCutNotHowOftenItWasLifted) {
+  const auto cut = [](double from, double to, double deep = 4) { return Incise{{{from, 0}, {to, 0}}, deep}; };
+  // A hand that is lifted on the way goes on with the same cut.
+  std::vector<Command> pieces;
+  for (int k = 0; k < 7; ++k) {
+    pieces.push_back(cut(5.2 * k + 0.1, 5.2 * k + 5.2));
+    pieces.push_back(cut(5.2 * k + 5.2, 5.2 * k + 5.2));  // of no length
+  }
+  EXPECT_EQ(story_of(pieces), "Incision of 36.3 mm, 4 mm deep.");
+  EXPECT_EQ(story_of({cut(0, 10), cut(11, 20)}), "2 incisions of 10 and 9 mm, 4 mm deep.");
+  EXPECT_EQ(story_of({cut(0, 10), cut(10, 20, 6)}), "Incision of 10 mm, 4 mm deep. Incision of 10 mm, 6 mm deep.");
+  EXPECT_EQ(story_of({cut(0, 10), cut(20, 30), cut(40, 50), cut(60, 70), cut(80, 90)}),
+            "5 incisions of 50 mm together, 4 mm deep.");
+  EXPECT_EQ(story_of({cut(3, 3)}), "");
+  // What was taken back was not done.
+  EXPECT_EQ(story_of({cut(0, 10), Undo{}, cut(0, 20)}), "Incision of 20 mm, 4 mm deep. One action taken back.");
+}
+
+TEST(Words, ATitleSaysWhichActsStand) {
+  const std::vector<ChartPoint> square{{0, 0}, {20, 0}, {20, 10}, {0, 10}};
+  const auto title = [](const std::vector<Command>& acts) { return title_of_acts(acts); };
+  EXPECT_EQ(
+      title({Excise{square, 4}, Stage{"x"}, Incise{{{0, 0}, {3, 4}}, 5}, SetHook{1, {0, 0}}, Suture{}, SutureRow{}}),
+      "Excision, incision and sutures");
+  EXPECT_EQ(title({Excise{square, 4}, Undo{}, Undermine{square, 4}}), "Undermining");
+  EXPECT_EQ(title({SetHook{1, {0, 0}}, Stage{"x"}}), "");
+  EXPECT_EQ(title({HeadCommand(CutBone{}), HeadCommand(MoveFragment{})}), "Osteotomy and fragments moved");
+}
+
 TEST(Words, NumbersAreRoundedToTheirFirstDigits) {
   EXPECT_EQ(rounded_text(1234.5, 3), "1230");
   EXPECT_EQ(rounded_text(0.04567, 2), "0.046");
