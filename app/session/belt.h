@@ -30,7 +30,7 @@ class Belt {
     changed_.wait(lock, [&] { return begun_; });
     if (failure_) {
       lock.unlock();
-      thread_.reset();
+      close();
       std::rethrow_exception(failure_);
     }
   }
