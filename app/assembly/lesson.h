@@ -11,7 +11,7 @@
 //   at_mm = [0, 0], turn_deg, mirror        where it is laid
 //   [procedure.values]  side_mm = 20        parameters that differ from the procedure's own
 //   [bone]                                  of bones: bone_lesson.h; one of the two at least
-//   by_script = true                        or neither: the plan is the lesson's script, of no figure of the repertoire;
+//   by_script = true                        or neither: the plan is the lesson's script, no figure of the repertoire;
 //                                           corners are then compared act by act (app/teaching), and not judged
 //   [tolerance]                             at most; only those that are given are judged, and pieces_wrong of bones
 //   corner_mm, angle_deg, limb_percent      of the cuts against the plan (design_error)

@@ -83,7 +83,7 @@ class Lines {
 void look_at_shape(Lines& lines, const VerdictOf& of) {
   const Metrics& m = *of.metrics;
   // Skin is bent by no less than a cell of the lattice: a face of one is what it cannot tell from none.
-  const double face_mm2 = std::pow(of.cell_mm / double(1 << of.wound_level), 2);
+  const double wound_cell_mm = of.cell_mm / double(1 << of.wound_level), face_mm2 = wound_cell_mm * wound_cell_mm;
   lines.limited(
       "skin on its face or inside out", m.turned.area_mm2, "mm²",
       {0.5 * face_mm2, face_mm2, "one face of a cell of the lattice at the wound, which bends skin no sharper"},

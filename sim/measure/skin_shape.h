@@ -64,8 +64,8 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm);
 
 /// Skin that lies on its face or is turned inside out: skin whose outward normal now is more than 120 degrees from that
 /// of the original surface there (90 is upright, as the wall of a fold; 30 more, so that skin that stands up is none).
-/// Skin that has itself turned by less than 60 degrees does not lie on its face: in a thin fold, as an ear, the original
-/// surface that is nearest now may be that of the other side.
+/// Skin that has itself turned by less than 60 degrees does not lie on its face: in a thin fold, as an ear, the
+/// original surface that is nearest now may be that of the other side.
 struct TurnedSkin {
   double area_mm2 = 0;        // at rest
   Vec3 at_mm = Vec3::Zero();  // its middle at rest

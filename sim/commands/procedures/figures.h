@@ -42,9 +42,9 @@ Figure rotation(double radius_mm, double defect_deg, double arc_deg);
 /// Bilobed: a round defect with a triangle to the pivot; two lobes at turn_deg each about the pivot, the first as wide
 /// as the defect, the second drawn out to a point so that its bed closes.
 Figure bilobed(double diameter_mm, double turn_deg);
-/// One lobe that turns by turn_deg into a round defect, its point tip_ratio radii of the defect beyond its middle: at 1.6
-/// its sides are as long as the half circles that they are sewn to, for what is longer piles up. The skin between pivot
-/// and defect comes away as a triangle (banner flap; as a nasolabial flap it lies along the fold).
+/// One lobe that turns by turn_deg into a round defect, its point tip_ratio radii of the defect beyond its middle: at
+/// 1.6 its sides are as long as the half circles that they are sewn to, for what is longer piles up. The skin between
+/// pivot and defect comes away as a triangle (banner flap; as a nasolabial flap it lies along the fold).
 Figure banner(double diameter_mm, double turn_deg, double tip_ratio);
 /// A round defect and two opposite arcs, each cut_ratio diameters long, that
 /// leave it at tip_deg from its tangent and let two flaps turn towards each other.
