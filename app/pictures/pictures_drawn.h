@@ -11,8 +11,8 @@ class PicturesDrawn {
  public:
   explicit PicturesDrawn(int total) : total_(total) {}
 
-  /// Before each picture; false: it is not to be drawn. Who was interrupted before the first picture gets them all: they
-  /// show what was done by then.
+  /// Before each picture; false: it is not to be drawn. Who was interrupted before the first picture gets them all:
+  /// they show what was done by then.
   bool next() {
     if (stopped_) return false;
     if (!before_ && interrupted()) {
