@@ -141,8 +141,8 @@ std::string ranking_svg(const std::vector<Design>& found, const DesignTask& task
       from += w;
     }
     s += text("<text x=\"%.1f\" y=\"%.1f\">%.2f</text>\n", from + 5, corner.y() + kPlan + 67, d.cost);
-    s += text("<text x=\"%.1f\" y=\"%.1f\" fill=\"#555\">%.2f N, ear %.1f mm, landmark %.1f mm</text>\n",
-              corner.x() + 2, corner.y() + kPlan + 86, d.force_N, d.dog_ear_mm, d.landmark_mm);
+    s += text("<text x=\"%.1f\" y=\"%.1f\" fill=\"#555\">%.2f N, ear %.1f, landmark %.1f mm</text>\n", corner.x() + 2,
+              corner.y() + kPlan + 86, d.force_N, d.dog_ear_mm, d.landmark_mm);
   }
   return s + "</svg>\n";
 }
