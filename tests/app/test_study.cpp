@@ -275,7 +275,7 @@ TEST(Study, ScriptsSurviveOtherMeshesLatticesAndSkins) {
   for (size_t i = 0; i < 3; ++i) {
     const Row r = run("place", {forms[i], cells[i], skins[i]});
     EXPECT_EQ(r.at("refused"), 0);
-    EXPECT_EQ(r.at("procedures"), 13);
+    EXPECT_EQ(r.at("procedures"), 15);
     EXPECT_LT(r.at("corner_mm"), 0.25) << forms[i];
     EXPECT_LT(r.at("line_mm"), 0.25) << forms[i];
     EXPECT_LT(r.at("stitch_mm"), 0.5) << forms[i];
