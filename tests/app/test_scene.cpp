@@ -343,7 +343,7 @@ TEST(Scene, FilesThatAreNoScenes) {
     ADD_FAILURE();
   } catch (const InputError& e) {
     EXPECT_NE(
-        std::string(e.what()).find("craniofacial, face, head, prognathic, retrognathic, rhomboid, scalp, zplasty"),
+        std::string(e.what()).find("craniofacial, ear, face, face_side, head, nose, prognathic, retrognathic, rhomboid, scalp, zplasty"),
         std::string::npos)
         << e.what();
   }

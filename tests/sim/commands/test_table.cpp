@@ -255,7 +255,7 @@ TEST(Table, ActsHaveKinds) {
   EXPECT_EQ(cutting, "incise incise undermine excise redo excise cut_through ");
   EXPECT_EQ(sewing, "suture suture_row suture_corner suture_between ");
   EXPECT_EQ(looking_back, "undo redo suture_between cut_suture ");
-  EXPECT_EQ(leaving, "stage wait shown ");
+  EXPECT_EQ(leaving, "stage wait shown mark ");
 }
 
 TEST(Table, ThePageIsMadeFromIt) {
