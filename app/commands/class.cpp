@@ -1,6 +1,5 @@
 // `limberg class`: many students' recordings beside an expert's, by a lesson: one page, one table.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -24,7 +23,6 @@
 #include "app/result/output.h"
 #include "app/result/progress.h"
 #include "app/result/schema.h"
-#include "app/session/clock.h"
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/commands/script.h"
@@ -44,19 +42,14 @@ struct ClassOptions {
 constexpr const char* kKeyHeader = "name,file";
 constexpr size_t kMostKept = size_t(256) << 20;
 
-/// How far the whole of it has come: on a terminal as it goes, else (in a log file) a line each ten seconds.
+/// How far the whole of it has come.
 class ClassProgress {
  public:
-  explicit ClassProgress(size_t sessions) : total_(sessions), line_("class"), log_(isatty(STDERR_FILENO) != 1) {}
+  explicit ClassProgress(size_t sessions) : total_(sessions), line_("class") {}
   void begin(size_t done, const std::string& name) { done_ = done, name_ = name; }
   void show(double part, double of, const char* unit) {
-    const std::string now =
-        fmt::format("{} of {}: {}, {:.0f} of {:.0f} {}", done_ + 1, total_, name_, part, std::max(part, of), unit);
-    line_.note(now);
-    const int64_t t = RealClock::monotonic_ns();
-    if (!log_ || t - said_ns_ < 10'000 * kNsPerMs) return;
-    said_ns_ = t;
-    say("class: " + now);
+    line_.note(
+        fmt::format("{} of {}: {}, {:.0f} of {:.0f} {}", done_ + 1, total_, name_, part, std::max(part, of), unit));
   }
   void clear() { line_.clear(); }
 
@@ -64,8 +57,6 @@ class ClassProgress {
   size_t total_, done_ = 0;
   std::string name_;
   Progress line_;
-  bool log_;
-  int64_t said_ns_ = RealClock::monotonic_ns();
 };
 
 /// What a class is held against.

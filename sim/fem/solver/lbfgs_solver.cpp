@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "sim/base/error.h"
-#include "sim/base/union_find.h"
 #include "sim/fem/model/hanging_nodes.h"
+#include "sim/fem/model/held_pieces.h"
 #include "sim/fem/solver/stall_watch.h"
 
 namespace limberg {
@@ -174,14 +174,9 @@ LbfgsSolver::Search LbfgsSolver::search(Value& value, double slope) {
 }
 
 bool LbfgsSolver::every_piece_is_held() const {
-  UnionFind pieces(model_->X_mm.size());
-  for (const HexCell& c : model_->cells)
-    for (int32_t v : c.node) pieces.unite(v, c.node[0]);
-  std::vector<Held> held(pieces.size());
-  for (const std::vector<int32_t>* list : {&fixed_, &sliding_})
-    for (int32_t v : *list) held[size_t(pieces.find(v))] |= model_->fixed[size_t(v)];
+  const HeldPieces pieces = held_pieces(*model_, {});
   return std::all_of(model_->cells.begin(), model_->cells.end(),
-                     [&](const HexCell& c) { return held[size_t(pieces.find(c.node[0]))].all(); });
+                     [&](const HexCell& c) { return pieces.held[size_t(c.node[0])].all(); });
 }
 
 void LbfgsSolver::begin_or_end_untangling(Value& value, bool dynamic) {
