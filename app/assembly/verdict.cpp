@@ -18,6 +18,8 @@ constexpr double kAtRest = 1e-4;  // relative residual
 // Overlap: warned of where it is more than what counts as met (kSutureGap_mm), bad where tissue lies in tissue by more
 // than half of the skin: then edges lie through one another.
 constexpr double kOverlapOfSkin = 0.5;
+// 23 operations that lie as they should show at most a twentieth of this (2026-11-28).
+constexpr double kRawWarn_mm2 = 1;
 // At a lag of 75 ms a hand begins to be slower, at 225 ms it is 64 % slower, with three times the errors (MacKenzie and
 // Ware 1993, INTERCHI, 488).
 constexpr double kBehindWarn_ms = 75, kBehindBad_ms = 225;
@@ -126,6 +128,10 @@ void look_at_wound(Lines& lines, const VerdictOf& of) {
       "edge of the wound that lies over or under skin", g.over_mm, "mm",
       {0, kOpen_mm, "an inverted edge is a fault (Hollander et al. 1995); more of it than edges may be apart is bad"},
       g.over_mm > 0 ? on_chart(*of.body, g.over_at_mm) : "");
+  lines.limited("raw tissue above the skin", m.raw.area_mm2, "mm²",
+                {kRawWarn_mm2, kOpen_mm * kOpen_mm,
+                 "as much as a wound shows that counts as closed: a hole of 2 by 2 mm (Hollander et al. 1995)"},
+                m.raw.area_mm2 > 0 ? on_chart(*of.body, m.raw.at_mm) : "");
   const bool closed = std::all_of(lines.all.begin() + std::ptrdiff_t(before), lines.all.end(),
                                   [](const ResultVerdict& l) { return l.light != light_names::bad; });
   if (closed && !m.sutures.empty())

@@ -187,10 +187,17 @@ SewnSkin sewn_skin(const Snapshot& s, std::span<const Command> commands) {
   std::vector<size_t> next(ends.size());
   for (auto& of : of_loop) {
     if (of.empty()) continue;
-    // Of two stitches in one place the one that reaches farther comes first: else they would cross.
+    // Of two stitches in one place the one that reaches farther ahead along this edge comes first: else they would
+    // cross. One to another edge lies where the next stitch to that edge leaves.
     const auto reach = [&](size_t i) {
       const Place &at = ends[i].at, &to = ends[ends[i].other].at;
-      return to.loop == at.loop && to.at_mm < at.at_mm ? to.at_mm + rim.length_mm[size_t(at.loop)] : to.at_mm;
+      const double whole = rim.length_mm[size_t(at.loop)];
+      const auto ahead = [&](double s_mm) { return s_mm > at.at_mm ? s_mm : s_mm + whole; };
+      if (to.loop == at.loop) return std::pair(ahead(to.at_mm), 0.0);
+      double next_there = at.at_mm + whole;
+      for (const size_t j : of)
+        if (ends[ends[j].other].at.loop == to.loop) next_there = std::min(next_there, ahead(ends[j].at.at_mm));
+      return std::pair(next_there, to.at_mm);
     };
     std::sort(of.begin(), of.end(), [&](size_t a, size_t b) {
       return ends[a].at.at_mm != ends[b].at.at_mm ? ends[a].at.at_mm < ends[b].at.at_mm : reach(a) > reach(b);

@@ -141,6 +141,7 @@ Metrics measure(const Snapshot& snapshot, const Skin& skin, const ElasticSolver&
   m.wound_gape_mean_mm = gape.mean_mm;
   m.gape = gape;
   m.turned = turned_skin(view, x, skin);
+  m.raw = raw_tissue(view, x, skin);
   m.one_bank = also.one_bank;
   for (const SutureFigure& s : m.sutures)
     if (s.force_N < kHolds_N) m.slack.push_back(s.id);

@@ -13,6 +13,7 @@
 #include "sim/measure/penetration.h"
 #include "sim/measure/perfusion.h"
 #include "sim/measure/predicted.h"
+#include "sim/measure/raw_tissue.h"
 #include "sim/measure/skin_shape.h"
 #include "sim/measure/skin_strain.h"
 #include "sim/patient/snapshot.h"
@@ -62,6 +63,7 @@ struct Metrics {
   double wound_gape_mm = 0, wound_gape_mean_mm = 0;
   WoundGape gape;  // with its places; all zero without a wound
   TurnedSkin turned;
+  RawTissue raw;
   // Stitches with both bites in one bank of a wound (MeasureAlso), and those that pull with less than kHolds_N.
   std::vector<int> one_bank, slack;
 

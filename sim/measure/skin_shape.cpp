@@ -5,9 +5,9 @@
 #include <limits>
 #include <map>
 
-#include "sim/base/union_find.h"
 #include "sim/geometry/polyline.h"
 #include "sim/geometry/triangle.h"
+#include "sim/measure/attached.h"
 #include "sim/measure/skin_strain.h"
 
 namespace limberg {
@@ -37,25 +37,6 @@ std::vector<std::pair<size_t, size_t>> rim_edges(const SurfaceView& view) {
   return rim;
 }
 
-// Which vertices belong to a piece that the body holds: one with a held face. A piece that nothing holds lies anywhere.
-UnionFind pieces_of(const SurfaceView& view) {
-  UnionFind pieces(view.X_mm.size());
-  for (const Tri& t : view.tri) pieces.unite(t[0], t[1]), pieces.unite(t[0], t[2]);
-  return pieces;
-}
-
-std::vector<uint8_t> held(const SurfaceView& view) {
-  UnionFind pieces = pieces_of(view);
-  std::vector<uint8_t> piece(view.X_mm.size(), 0);
-  bool any = false;
-  for (size_t t = 0; t < view.tri.size(); ++t)
-    if (view.kind[t] == FaceKind::fixed) piece[size_t(pieces.find(view.tri[t][0]))] = 1, any = true;
-  if (!any) return std::vector<uint8_t>(view.X_mm.size(), 1);  // a surface of which nothing is held is looked at whole
-  std::vector<uint8_t> out(view.X_mm.size());
-  for (size_t v = 0; v < out.size(); ++v) out[v] = piece[size_t(pieces.find(int32_t(v)))];
-  return out;
-}
-
 }  // namespace
 
 std::vector<Vec3> rim_mm(const SurfaceView& view) {
@@ -80,11 +61,11 @@ DogEar dog_ear(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin&
     if (std::isnan(h)) h = float(-skin.depth_mm(x_mm[size_t(v)].cast<double>()));
     return double(h);
   };
-  const std::vector<uint8_t> attached = held(view);
+  const std::vector<uint8_t> is_attached = attached(view);
   double area = 0, square = 0;
   bool any = false;
   for (size_t t = 0; t < view.tri.size(); ++t) {
-    if (view.kind[t] != FaceKind::skin || !attached[size_t(view.tri[t][0])]) continue;
+    if (view.kind[t] != FaceKind::skin || !is_attached[size_t(view.tri[t][0])]) continue;
     const auto X = rest(view, t);
     if (!near((X[0] + X[1] + X[2]) / 3)) continue;
     const auto x = now(view, x_mm, t);
@@ -125,7 +106,7 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
     double s = 0;  // arc length at rest of its middle along the loop
   };
   UnionFind pieces = pieces_of(view);
-  const std::vector<uint8_t> attached = held(view);
+  const std::vector<uint8_t> is_attached = attached(view);
   std::vector<Rim> rim;
   for (const auto& [t, k] : rim_edges(view)) {
     const int32_t a = view.tri[t][k], b = view.tri[t][(k + 1) % 3];
@@ -137,7 +118,7 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
     const auto X = rest(view, t);
     const Vec3 N = area_vector2(X[0], X[1], X[2]), E = X[(k + 1) % 3] - X[k];
     r.rest_middle = X[k] + 0.5 * E, r.length = E.norm();
-    if (!attached[size_t(a)]) r.piece = int32_t(pieces.find(a));
+    if (!is_attached[size_t(a)]) r.piece = int32_t(pieces.find(a));
     if (N.norm() > 0 && E.norm() > 0) r.rest_out = E.cross(N).normalized();
     rim.push_back(r);
   }

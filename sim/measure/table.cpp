@@ -145,6 +145,11 @@ const Measure kTable[] = {
     {"folded_mm2", "mm²", "skin on its face",
      "rest area of skin more than 120 degrees from the original surface there, and turned by more than 60 itself",
      "--cells", LIMBERG_OF(m.turned.area_mm2)},
+    {"raw_above_mm2", "mm²", "raw tissue above the skin",
+     "cut faces more than 0.5 mm above the original surface that look outwards with nothing over them: a flap that "
+     "stands "
+     "on its edge or lies on its back",
+     "--cells", LIMBERG_OF(m.raw.area_mm2)},
     {"dog_ear_volume_mm3", "mm³", "dog-ear volume", "volume above the original surface within 20 mm of a cut",
      "as dog_ear_mm", LIMBERG_OF(m.dog_ear_volume_mm3), kFigure},
     {"flap_area_mm2", "mm²", "flap area", "present skin area inside the flap's outline at rest",

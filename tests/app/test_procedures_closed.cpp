@@ -71,11 +71,7 @@ TEST_P(Repertoire, ClosesAndRests) {
   world.fill(s);
   const study::SewnSkin sewn = study::sewn_skin(s, commands);
   EXPECT_EQ(sewn.unpaired, 0);
-  // Of the keystone the sewn sheet has 720 degrees less: two holes or a handle where three corners meet, or a fault
-  // of the pairing there. Not understood (docs/limits.md); its edges meet all the same.
-  if (name != "keystone") {
-    EXPECT_NEAR(sewn.sum_deg(), 0, 0.1);
-  }
+  EXPECT_NEAR(sewn.sum_deg(), 0, 0.1);
   std::vector<std::vector<Corner>> meet;
   if (rhombic) meet = {{{0, 6}}, {{0, 2}}, {{0, 1}, {0, 3}}, {{0, 5}, {0, 7}}};
   if (name == "z_plasty") meet = {{{0, 1}}, {{0, 4}}, {{0, 0}, {0, 2}}, {{0, 3}, {0, 5}}};

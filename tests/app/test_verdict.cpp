@@ -65,6 +65,14 @@ TEST_F(Verdict, AWoundWhoseWholeEdgeIsClosedIsGoodAndOnlyThatIsClosed) {
   EXPECT_EQ(open[0].place, "(7.0, -3.0) mm");
 }
 
+TEST_F(Verdict, EdgesThatMeetDoNotCloseAWoundThatShowsItsFat) {
+  EXPECT_EQ(light(look(), kClosedWhole), "good");
+  m.raw = {7.5, 1.8, Vec3(7, -3, 0)};
+  EXPECT_EQ(light(look(), kClosedWhole), "");
+  m.sutures.clear();  // a flap that a hook holds up shows it, and is no fault
+  EXPECT_FALSE(is_bad(look()));
+}
+
 TEST_F(Verdict, AWoundWithoutAStitchIsToldAndNoFault) {
   m.sutures.clear();
   m.gape.widest_mm = 11, m.gape.gape_mm = 10, m.gape.open_mm = 70;
@@ -92,6 +100,8 @@ TEST_F(Verdict, EachFaultIsSeen) {
   level = 1;  // cells of half the size at the wound bend skin more sharply
   alone("skin on its face", "bad", [&] { m.turned = {4, Vec3(1, 2, 0)}; });
   level = 0;
+  alone("raw tissue above the skin", "bad", [&] { m.raw = {4.1, 1.2, Vec3(1, 2, 0)}; });
+  alone("raw tissue above the skin", "warn", [&] { m.raw = {1.1, 1.2, Vec3(1, 2, 0)}; });
   alone("edge of the wound that lies over", "bad", [&] { m.gape.over_mm = 3; });
   alone("edge of the wound that lies over", "warn", [&] { m.gape.over_mm = 1; });
   const double told_from_none_mm3 = kLeastFraction * std::pow(3.5, 3);  // of a cell
