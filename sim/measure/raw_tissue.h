@@ -9,8 +9,8 @@
 namespace limberg {
 
 /// Cut faces of what the body holds that lie outside the original surface by more than half a millimetre, look outwards
-/// (less than 60 degrees from the normal of that surface there; the wall of an edge that stands a little higher than the
-/// other looks sideways), and have nothing over them along that normal.
+/// (less than 60 degrees from the normal of that surface there; the wall of an edge that stands a little higher than
+/// the other looks sideways), and have nothing over them along that normal.
 struct RawTissue {
   double area_mm2 = 0;        // as it lies now
   double height_mm = 0;       // of the highest such face's middle above the original surface
