@@ -1,6 +1,6 @@
-// Writes the surface of the face that shipped scenes operate on, its materials and its picture:
+// Writes the surfaces of the face that shipped scenes operate on, their materials and their picture:
 //
-//   limberg_face_surface app/scenes        -> anatomical_face.obj, anatomical_face.mtl, anatomical_face.png
+//   limberg_face_surface app/scenes        -> anatomical_face.obj, .mtl and .png; anatomical_lips.obj, its lips parted
 #include <fmt/format.h>
 #include <fmt/os.h>
 
@@ -28,6 +28,7 @@ void write_surface(const FaceTissue& f, const std::string& file) {
   for (const Vec3& X : f.X_mm) out.print("v {:.2f} {:.2f} {:.2f}\n", X.x(), X.y(), X.z());
   for (const Vec2& q : f.uv) out.print("vt {:.4f} {:.4f}\n", q.x(), q.y());
   for (size_t part = 0; part < std::size(kFaceParts); ++part) {
+    if (std::find(f.part.begin(), f.part.end(), FacePart(part)) == f.part.end()) continue;
     out.print("usemtl {}\n", kFaceParts[part]);
     for (size_t t = 0; t < f.tri.size(); ++t)
       if (size_t(f.part[t]) == part)
@@ -63,11 +64,13 @@ int main(int argc, char** argv) try {
   }
   const std::filesystem::path folder = argv[1];
   WorkersPool workers(2);
-  const FaceTissue face = make_face_tissue(workers);
-  write_surface(face, (folder / "anatomical_face.obj").string());
+  for (const auto& [name, lips] : {std::pair("face", Lips::one_surface), std::pair("lips", Lips::parted)}) {
+    const FaceTissue face = make_face_tissue(workers, lips);
+    write_surface(face, (folder / fmt::format("anatomical_{}.obj", name)).string());
+    std::printf("%s: %zu corners, %zu triangles\n", name, face.X_mm.size(), face.tri.size());
+  }
   write_materials((folder / "anatomical_face.mtl").string());
   write_png((folder / "anatomical_face.png").string(), picture(workers));
-  std::printf("%zu corners, %zu triangles\n", face.X_mm.size(), face.tri.size());
   return 0;
 } catch (const std::exception& e) {
   std::fprintf(stderr, "limberg_face_surface: %s\n", e.what());

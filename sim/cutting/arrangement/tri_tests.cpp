@@ -71,6 +71,10 @@ bool edge_meets(const IntTriangle& s, size_t k, const std::array<int, 3>& side, 
       const int a = turn(drop, p, q, t.p[m]), b = turn(drop, p, q, t.p[n]);
       const int c = turn(drop, t.p[m], t.p[n], p), d = turn(drop, t.p[m], t.p[n], q);
       if (touches) continue;
+      if (a == 0 && b == 0 && c == 0 && d == 0) {  // all in one line: they may lie behind each other
+        if (heading(drop, t.p[m], p, q) <= 0 || heading(drop, t.p[n], p, q) <= 0) return true;
+        continue;
+      }
       if (a * b <= 0 && c * d <= 0) return true;
     }
     // From a shared vertex into the inside of t and out through the far edge is caught above (far edge crossed); ending

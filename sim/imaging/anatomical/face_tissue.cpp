@@ -10,6 +10,7 @@
 
 #include "sim/geometry/bvh.h"
 #include "sim/imaging/anatomical/eye_shape.h"
+#include "sim/imaging/anatomical/mouth_shape.h"
 #include "sim/imaging/anatomical/skin_shape.h"
 #include "sim/imaging/fit/graded_grid.h"
 
@@ -36,6 +37,13 @@ const SmallCells kSmallCells[] = {
 constexpr double kFlatCell_mm = 4, kCellSpread = 1, kDeepCell_mm = 4;  // halves of 16
 constexpr double kThin = 0.8, kOff = 0.12, kDeepEdge_mm = 4.5;         // wanted edges: of skin by its cells
 
+// Lips that are parted: the slit between them, its edges, and how deep skin goes on over a lip's edge before it is mucosa.
+constexpr double kParted_mm = 1.6, kMargin_mm = 0.5, kRedLip_mm = 7;
+// A lip is 11 to 13 mm thick (as remembered of Stephan and Simpson 2008), less than a cheek.
+constexpr double kThinner_mm = 6;
+// The vestibule behind them: half its width, its folds above and below.
+constexpr double kVestibule_mm = 30, kUpperFold_mm = -39, kLowerFold_mm = -75;
+
 double cell_at(const Vec3& p) {
   const Vec3 q(std::abs(p.x()), p.y(), p.z());
   double cell = kFlatCell_mm;
@@ -53,6 +61,10 @@ double depth_at(const Vec3& p) {
   const double cheekbone =
       4 * elementary::exp(-(Vec3(x, p.y(), p.z()) - Vec3(52, 60, -6)).squaredNorm() / (2 * 14 * 14));
   return kFaceDepth_mm - cheekbone * (1 - brow) - 6 * brow - 4 * temple * (1 - brow);
+}
+
+bool in_vestibule(const Vec3& p) {
+  return std::abs(p.x()) < kVestibule_mm && p.y() > 70 && p.z() < kUpperFold_mm && p.z() > kLowerFold_mm;
 }
 
 double sides(const Vec3& p) { return std::max({kBack_mm - p.y(), p.z() - kTop_mm, kBottom_mm - p.z()}); }
@@ -193,8 +205,9 @@ class Thinning {
 
 }  // namespace
 
-FaceTissue make_face_tissue(Workers& workers) {
+FaceTissue make_face_tissue(Workers& workers, Lips lips) {
   const SkinShape skin;
+  const bool parted = lips == Lips::parted;
   // Far inside, the shape's function is no distance: that to its surface is looked up.
   LevelSet whole;
   whole.distance_mm = [&](const Vec3& p) { return skin(p); };
@@ -204,27 +217,42 @@ FaceTissue make_face_tissue(Workers& workers) {
   std::vector<Tri> skin_tri;
   march_graded(whole, cell_at, workers, on_skin, skin_tri);
   const Bvh near_skin(on_skin, skin_tri);
-  const auto deep = [&](const Vec3& p, double s) {
-    return s > -1 ? -s - depth_at(p) : near_skin.closest(p).distance_mm - depth_at(p);
+  const auto thick_at = [&](const Vec3& p) {
+    const Vec2 off(p.x() / 30, (p.z() - Mouth::line_mm(0)) / 18);
+    return depth_at(p) - (parted ? kThinner_mm * elementary::exp(-off.squaredNorm()) : 0);
   };
+  const auto deep = [&](const Vec3& p, double s) {
+    return s > -1 ? -s - thick_at(p) : near_skin.closest(p).distance_mm - thick_at(p);
+  };
+  const auto slit = [&](const Vec3& p) { return parted ? -Mouth::slit(p, kParted_mm) : -1e3; };
   LevelSet set;
   set.distance_mm = [&](const Vec3& p) {
     const double s = skin(p);
     if (s > 10) return s;
-    return smax(smax(s, deep(p, s), kRound_mm), sides(p), kRound_mm);
+    const double shell = smax(smax(s, deep(p, s), kRound_mm), sides(p), kRound_mm);
+    return parted ? smax(shell, slit(p), kMargin_mm) : shell;
   };
   set.lipschitz = SkinShape::kLipschitz;
   set.low_mm = {-105, kBack_mm - 4, kBottom_mm - 4}, set.high_mm = {105, 138, kTop_mm + 4};
+  const auto cell = [&](const Vec3& p) {
+    const double at = skin(p) > -5 ? cell_at(p) : kDeepCell_mm;
+    return parted ? std::min(at, std::max(1., -0.7 * slit(p))) : at;
+  };
   FaceTissue f;
-  march_graded(
-      set, [&](const Vec3& p) { return skin(p) > -5 ? cell_at(p) : kDeepCell_mm; }, workers, f.X_mm, f.tri);
+  march_graded(set, cell, workers, f.X_mm, f.tri);
   keep_largest(f);
-  Thinning(f, set).run([&](const Vec3& p) { return skin(p) > -5 ? kThin * cell_at(p) : kDeepEdge_mm; });
+  Thinning(f, set).run([&](const Vec3& p) {
+    const double edge = skin(p) > -5 ? kThin * cell_at(p) : kDeepEdge_mm;
+    return parted ? std::min(edge, kThin * cell(p)) : edge;
+  });
   for (const Tri& t : f.tri) {
     const Vec3 c = (f.X_mm[size_t(t[0])] + f.X_mm[size_t(t[1])] + f.X_mm[size_t(t[2])]) / 3;
-    const double s = skin(c), d = deep(c, s), e = sides(c);
-    const FacePart part = s >= std::max(d, e) ? FacePart::skin : d >= e ? FacePart::deep : FacePart::side;
-    f.part.push_back(part == FacePart::skin && globes(c) < kGlobe_mm ? FacePart::globe : part);
+    const double s = skin(c), d = deep(c, s), e = sides(c), m = slit(c);
+    FacePart part = s >= std::max(d, e) ? FacePart::skin : d >= e ? FacePart::deep : FacePart::side;
+    if (part == FacePart::skin && globes(c) < kGlobe_mm) part = FacePart::globe;
+    if (m > std::max({s, d, e})) part = s > -kRedLip_mm ? FacePart::skin : FacePart::mucosa;
+    if (parted && part == FacePart::deep && in_vestibule(c)) part = FacePart::mucosa;
+    f.part.push_back(part);
   }
   for (const Vec3& X : f.X_mm) f.uv.push_back(face_picture_place(X));
   return f;

@@ -3,6 +3,7 @@
 // would lie, or to the depth that matters to a flap.
 //
 //   FaceTissue face = make_face_tissue(workers);          // some seconds; app/scenes/anatomical_face.obj holds it
+//   make_face_tissue(workers, Lips::parted)               // app/scenes/anatomical_lips.obj
 //
 // It reaches from the scalp to beneath the chin and behind the ears. Skin is free; what lies on bone or was cut off
 // deep is held, and so are the sides, where the face goes on, and the globes, which lids lie upon.
@@ -14,8 +15,8 @@
 
 namespace limberg {
 
-enum class FacePart : uint8_t { skin, deep, side, globe };
-inline constexpr const char* kFaceParts[] = {"skin", "deep", "side", "globe"};
+enum class FacePart : uint8_t { skin, deep, side, globe, mucosa };
+inline constexpr const char* kFaceParts[] = {"skin", "deep", "side", "globe", "mucosa"};
 
 struct FaceTissue {
   std::vector<Vec3> X_mm;  // frame of the head: x right, y forwards, z up
@@ -27,7 +28,11 @@ struct FaceTissue {
 /// The thickest tissue that is kept.
 inline constexpr double kFaceDepth_mm = 14;
 
-FaceTissue make_face_tissue(Workers& workers);
+/// Parted, the lips have free margins: a slit between them through the tissue, and mucosa behind them, which nothing
+/// holds up to the folds of the vestibule. Otherwise they are one surface.
+enum class Lips : uint8_t { one_surface, parted };
+
+FaceTissue make_face_tissue(Workers& workers, Lips lips = Lips::one_surface);
 
 /// Where a place near the skin lies on the picture, u from the right ear to the left, v upwards, both 0 to 1.
 Vec2 face_picture_place(const Vec3& p_mm);

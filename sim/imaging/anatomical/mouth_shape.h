@@ -1,11 +1,29 @@
 #pragma once
 // The lips upon a face: philtrum, vermilion of both lips, the line between them, commissures. Right half.
+#include <algorithm>
+
 #include "sim/imaging/anatomical/fields.h"
 
 namespace limberg::anatomical {
 
 class Mouth {
  public:
+  static constexpr double kCorner_mm = 26.8;  // x of the commissure
+
+  /// Height of the line where the lips meet, x mm from the middle.
+  static double line_mm(double x) {
+    static constexpr double at[] = {0, 4, 12, 20, 28}, z[] = {-55.9, -55.5, -55.5, -55.7, -56.0};
+    for (size_t i = 1; i < std::size(at); ++i)
+      if (x <= at[i]) return z[i - 1] + (z[i] - z[i - 1]) * std::clamp((x - at[i - 1]) / (at[i] - at[i - 1]), 0., 1.);
+    return z[std::size(z) - 1];
+  }
+
+  /// The slit between lips that are parted by so much, up to the commissures and through whatever lies before the teeth.
+  static double slit(const Vec3& q, double parted_mm) {
+    const double high = std::abs(q.z() - line_mm(std::abs(q.x()))) - parted_mm / 2;
+    return std::max({high, std::abs(q.x()) - (kCorner_mm - 1), 70 - q.y()});
+  }
+
   double upon(double face, const Vec3& q) const {
     if (!near_.holds(q)) return face;
     double d = join(face, column_, q, 4);

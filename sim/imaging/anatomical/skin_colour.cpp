@@ -5,6 +5,7 @@
 #include "sim/base/elementary.h"
 #include "sim/imaging/anatomical/ear_shape.h"
 #include "sim/imaging/anatomical/eye_shape.h"
+#include "sim/imaging/anatomical/mouth_shape.h"
 #include "sim/imaging/anatomical/teeth_shape.h"
 
 namespace limberg::anatomical {
@@ -90,10 +91,9 @@ Vec3 skin_colour(const Vec3& p) {
   c *= 1 + 0.05 * (noise(p / 9) - 0.5) + 0.045 * (noise(p / 2.5 + Vec3(9, 9, 9)) - 0.5);
   c = mix(c, kVermilion * (0.95 + 0.1 * noise({q.x() / 1.2, q.y() / 6, q.z() / 6})), vermilion(q));
   // Where the lips meet.
-  static const double mx[] = {0, 4, 12, 20, 28}, mz[] = {-55.9, -55.5, -55.5, -55.7, -56.0};
   if (q.x() < 28 && q.y() > 86)
     c = mix(c, 0.42 * kVermilion,
-            0.85 * elementary::exp(-1.6 * (q.z() - along(mx, mz, q.x())) * (q.z() - along(mx, mz, q.x()))));
+            0.85 * elementary::exp(-1.6 * (q.z() - Mouth::line_mm(q.x())) * (q.z() - Mouth::line_mm(q.x()))));
   c = mix(c, kHair, 0.93 * hair(q) * (0.86 + 0.14 * noise({q.x() / 0.9, q.y() / 2.4, q.z() / 0.9})));
   c = mix(c, kHair, 0.88 * brow(q));
   // Nostrils and the ear's canal are dark.

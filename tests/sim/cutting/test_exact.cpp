@@ -216,6 +216,58 @@ TEST(TriangleTests, SharedVerticesAndEdges) {
   EXPECT_TRUE(meet_beyond_shared(base, triangle({o, x, y}, {3, 4, 5})));  // equal places, not shared by name
 }
 
+TEST(TriangleTests, EdgesInOneLineMeetWhereTheyOverlapOnly) {
+  const Int3 a{0, 0, 0}, b{0, 4, 0}, c{5, 1, 7};
+  const IntTriangle base = triangle({a, b, c}, {0, 1, 2});
+  const auto on_line = [&](int from, int to) {
+    return meet_beyond_shared(base, triangle({Int3{0, from, 0}, Int3{0, to, 0}, Int3{-5, 1, 9}}, {3, 4, 5}));
+  };
+  EXPECT_FALSE(on_line(5, 9));
+  EXPECT_FALSE(on_line(-9, -1));
+  EXPECT_TRUE(on_line(4, 9));
+  EXPECT_TRUE(on_line(3, 9));
+  EXPECT_TRUE(on_line(-3, 9));
+  EXPECT_TRUE(on_line(1, 2));
+}
+
+// Closed triangles are apart where a normal of one, a normal to an edge of both, or one in a triangle's plane separates
+// them (separating axes: Gottschalk, Lin and Manocha 1996). On so small a grid most meet in some coincidence.
+TEST(TriangleTests, ApartAsSeparatingAxesSay) {
+  using V = std::array<int64_t, 3>;
+  const auto minus = [](const Int3& p, const Int3& q) { return V{p.x - q.x, p.y - q.y, p.z - q.z}; };
+  const auto cross = [](const V& p, const V& q) {
+    return V{p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]};
+  };
+  std::mt19937_64 random(11);
+  int met = 0, apart = 0;
+  for (int round = 0; round < 100000; ++round) {
+    std::array<Int3, 3> a, b;
+    for (size_t i = 0; i < 3; ++i) a[i] = random_point(random, 2), b[i] = random_point(random, 2);
+    std::vector<V> axes;
+    const auto edges = [&](const std::array<Int3, 3>& t) {
+      return std::array<V, 3>{minus(t[1], t[0]), minus(t[2], t[1]), minus(t[0], t[2])};
+    };
+    const auto ea = edges(a), eb = edges(b);
+    const V na = cross(ea[0], ea[1]), nb = cross(eb[0], eb[1]);
+    if (na == V{} || nb == V{}) continue;
+    axes = {na, nb};
+    for (const V& e : ea) axes.push_back(cross(na, e));
+    for (const V& e : eb) axes.push_back(cross(nb, e));
+    for (const V& e : ea)
+      for (const V& f : eb) axes.push_back(cross(e, f));
+    const bool separate = std::any_of(axes.begin(), axes.end(), [&](const V& n) {
+      const auto along = [&](const Int3& p) { return n[0] * p.x + n[1] * p.y + n[2] * p.z; };
+      const auto [al, ah] = std::minmax({along(a[0]), along(a[1]), along(a[2])});
+      const auto [bl, bh] = std::minmax({along(b[0]), along(b[1]), along(b[2])});
+      return ah < bl || bh < al;
+    });
+    ASSERT_EQ(meet_beyond_shared(triangle(a, {0, 1, 2}), triangle(b, {3, 4, 5})), !separate) << round;
+    ++(separate ? apart : met);
+  }
+  EXPECT_GT(met, 10000);
+  EXPECT_GT(apart, 10000);
+}
+
 TEST(TriangleTests, CrossingHasTwoEndsAndIsSymmetric) {
   std::mt19937_64 random(5);
   int crossings = 0;
