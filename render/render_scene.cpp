@@ -66,6 +66,27 @@ Vec3f bend_of_plate(const RenderScene& scene, const Vec3f& a, const Vec3f& b, co
   return way(highest) + std::max(0.0f, place[size_t(highest)].height) * up;
 }
 
+/// What the tissue lies against (body/collider.h), smoothly shaded.
+PropMesh colliders_of(const Body& body) {
+  PropMesh out;
+  for (const auto& c : body.colliders) {
+    const auto first = uint32_t(out.vertex.size());
+    std::vector<Vec3> normal(c->mesh.X_mm.size(), Vec3::Zero());
+    const Vec3f colour = c->colour.unaryExpr([](float s) {  // IEC 61966-2-1
+      return s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f);
+    });
+    for (const Tri& t : c->mesh.tri) {
+      const Vec3& a = c->mesh.X_mm[size_t(t[0])];
+      const Vec3 n = (c->mesh.X_mm[size_t(t[1])] - a).cross(c->mesh.X_mm[size_t(t[2])] - a);
+      for (const int32_t v : t) normal[size_t(v)] += n;
+      out.tri.push_back({first + uint32_t(t[0]), first + uint32_t(t[1]), first + uint32_t(t[2])});
+    }
+    for (size_t v = 0; v < normal.size(); ++v)
+      out.vertex.push_back({c->mesh.X_mm[v].cast<float>(), normal[v].normalized().cast<float>(), colour, 0, 0});
+  }
+  return out;
+}
+
 /// A hand would hide a patient that is not larger than it is: there only its last joints are drawn.
 void add_gloves(RenderScene& scene, const ToolPose& tool) {
   constexpr float kLarge_mm = 250;  // a hand is 190 mm long
@@ -117,6 +138,11 @@ const RenderScene& SceneBuilder::build(const Snapshot& snapshot, const ToolPose&
   for (const Vec3f& x : scene.x_mm)
     scene.bounds_min = scene.bounds_min.cwiseMin(x), scene.bounds_max = scene.bounds_max.cwiseMax(x);
 
+  if (against_of_ != topology.body) {
+    against_of_ = topology.body;
+    against_ = topology.body ? colliders_of(*topology.body) : PropMesh();
+  }
+  add_props(against_);
   for (size_t i = 0; i < snapshot.sutures.size(); ++i) {
     SutureState s = snapshot.sutures[i];
     const auto same = [&](size_t k) { return k < snapshot.sutures.size() && snapshot.sutures[k].thread == s.thread; };

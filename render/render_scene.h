@@ -95,6 +95,8 @@ class SceneBuilder {
 
  private:
   RenderScene scene_;
+  std::shared_ptr<const Body> against_of_;  // whose colliders these are
+  PropMesh against_;
   std::shared_ptr<const TissueMesh> whole_, bared_;  // of one topology; bared_: null until it is wanted
 };
 

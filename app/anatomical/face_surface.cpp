@@ -1,6 +1,7 @@
 // Writes the surfaces of the face that shipped scenes operate on, their materials and their picture:
 //
-//   limberg_face_surface app/scenes        -> anatomical_face.obj, .mtl and .png; anatomical_lips.obj, its lips parted
+//   limberg_face_surface app/scenes        -> anatomical_face.obj, .mtl and .png; anatomical_lips.obj, its lips parted;
+//                                             anatomical_teeth.obj and anatomical_gums.obj, which these lie against
 #include <fmt/format.h>
 #include <fmt/os.h>
 
@@ -13,6 +14,7 @@
 #include "app/session/workers_pool.h"
 #include "render/image.h"
 #include "sim/imaging/anatomical/face_tissue.h"
+#include "sim/imaging/anatomical/mouth_bed.h"
 #include "sim/imaging/anatomical/skin_colour.h"
 
 using namespace limberg;
@@ -39,6 +41,14 @@ void write_surface(const FaceTissue& f, const std::string& file) {
 void write_materials(const std::string& file) {
   auto out = fmt::output_file(file);
   for (const char* part : kFaceParts) out.print("newmtl {}\nmap_Kd anatomical_face.png\n", part);
+}
+
+void write_mesh(const TriMesh& m, const std::string& file) {
+  auto out = fmt::output_file(file);
+  out.print("# Made by limberg_face_surface: mm, x right, y forwards, z up.\n");
+  for (const Vec3& X : m.X_mm) out.print("v {:.3f} {:.3f} {:.3f}\n", X.x(), X.y(), X.z());
+  for (const Tri& t : m.tri) out.print("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+  std::printf("%s: %zu corners, %zu triangles\n", file.c_str(), m.X_mm.size(), m.tri.size());
 }
 
 Image picture(Workers& workers) {
@@ -69,6 +79,10 @@ int main(int argc, char** argv) try {
     write_surface(face, (folder / fmt::format("anatomical_{}.obj", name)).string());
     std::printf("%s: %zu corners, %zu triangles\n", name, face.X_mm.size(), face.tri.size());
   }
+  const anatomical::SkinShape skin;
+  const MouthBedMeshes bed = make_mouth_bed(MouthBed(skin), workers);
+  write_mesh(bed.teeth, (folder / "anatomical_teeth.obj").string());
+  write_mesh(bed.gums, (folder / "anatomical_gums.obj").string());
   write_materials((folder / "anatomical_face.mtl").string());
   write_png((folder / "anatomical_face.png").string(), picture(workers));
   return 0;

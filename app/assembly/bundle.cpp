@@ -30,15 +30,17 @@ std::vector<Blob> bundle(const Scene& scene, const Calibration& calibration) {
   out.push_back({BlobKind::scene, scene.name.substr(0, 63), scene.text});
   out.push_back({BlobKind::calibration, calibration.name.substr(0, 63), to_toml(calibration)});
   if (!scene.tissues.empty()) out.push_back({BlobKind::tissues, kTissues, scene.tissues});
-  if (scene.source == Scene::Source::obj) {
+  const auto add_mesh = [&](const std::string& path) {
     const fs::path folder = fs::path(scene.path).parent_path();
-    const std::string name = fs::path(scene.obj.path).lexically_relative(folder.empty() ? "." : folder).string();
+    const std::string name = fs::path(path).lexically_relative(folder.empty() ? "." : folder).string();
     if (name.empty() || fs::path(name).is_absolute() || name.size() > 63)
       throw InputError(scene.path, 0,
-                       "mesh path \"" + scene.obj.path +
+                       "mesh path \"" + path +
                            "\" cannot go into a recording; expected a path of at most 63 bytes relative to the scene");
-    out.push_back({BlobKind::mesh, name, read_whole_file(scene.obj.path, kMaxMesh)});
-  }
+    out.push_back({BlobKind::mesh, name, read_whole_file(path, kMaxMesh)});
+  };
+  if (scene.source == Scene::Source::obj) add_mesh(scene.obj.path);
+  for (const ColliderSpec& c : scene.colliders) add_mesh(c.path);
   return out;
 }
 

@@ -11,6 +11,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "app/scene/scene_colliders.h"
 #include "app/scene/scene_head_read.h"
 #include "app/scene/scene_lattice.h"
 #include "app/scene/scene_layers.h"
@@ -123,17 +124,17 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
   Table top(&root, "", path);
   top.text("name", s.name, 200);
   top.text("note", s.note, 10'000);
-  top.finish(
-      {"head", "body", "layer", "lattice", "loads", "build", "springs", "solver", "tools", "landmarks", "camera"});
+  top.finish({"head", "body", "collider", "layer", "lattice", "loads", "build", "springs", "solver", "tools",
+              "landmarks", "camera"});
 
   s.head = read_head(root, path);
   s.flesh = !s.head || root.contains("body");
   if (!s.flesh)
-    for (const char* key : {"layer", "lattice", "loads", "springs", "build"})
+    for (const char* key : {"collider", "layer", "lattice", "loads", "springs", "build"})
       if (const toml::node* n = root.get(key))
         throw InputError(path, int(n->source().begin.line),
                          std::string(key) + " belongs to a [body], and there is none; expected a [body] or no " + key);
-  if (s.flesh) read_body(section(root, "body", path), s, path);
+  if (s.flesh) read_body(section(root, "body", path), s, path), read_colliders(root, path, s);
   s.laws = laws ? laws : shipped_laws();
   std::optional<TissueLibrary> library;
   if (s.flesh)
@@ -225,6 +226,8 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
   if (!s.tissues.empty()) h.add(s.tissues);
   if (s.source == Scene::Source::obj)
     h.add(read_whole_file(s.obj.path, ObjLimits::file_bytes, "the OBJ surface that the scene names"));
+  for (const ColliderSpec& c : s.colliders)
+    h.add(read_whole_file(c.path, ObjLimits::file_bytes, "a collider that the scene names"));
   if (s.head) {
     for (const std::string& f : s.head->bone_files)
       h.add(read_whole_file(f, ObjLimits::file_bytes, "a simplex mesh that the scene names"));
@@ -292,6 +295,7 @@ std::shared_ptr<const Body> build_body(const Scene& scene, SurfaceReport* report
     auto body = std::make_shared<Body>(load_obj(scene.obj, report));
     body->name = scene.name;
     body->laws = scene.laws;
+    for (const ColliderSpec& c : scene.colliders) body->colliders.push_back(load_collider(c));
     if (const double side = (body->box_max_mm - body->box_min_mm).minCoeff(); scene.cell_mm > side)
       throw InputError(scene.path, 0,
                        "lattice.cell_mm is " + number(scene.cell_mm) + ", larger than the surface's smallest side of " +
@@ -302,6 +306,7 @@ std::shared_ptr<const Body> build_body(const Scene& scene, SurfaceReport* report
   }
   auto body = std::make_shared<Body>(make_block(scene.block));
   body->laws = scene.laws;
+  for (const ColliderSpec& c : scene.colliders) body->colliders.push_back(load_collider(c));
   if (report) *report = validate_surface(body->surface, body->grid, scene.path);
   check_fine_places(scene, body);
   check_load_places(scene, body);

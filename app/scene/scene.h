@@ -63,8 +63,9 @@ struct Scene {
   bool flesh = true;  // there is a [body]: skin with flap tools
   std::optional<HeadScene> head;
   Source source = Source::block;
-  BlockSpec block;      // when source is block
-  ObjSpec obj;          // when source is obj; obj.path is resolved against the scene file's folder
+  BlockSpec block;                      // when source is block
+  ObjSpec obj;                          // when source is obj; obj.path is resolved against the scene file's folder
+  std::vector<ColliderSpec> colliders;  // what the tissue lies against
   std::string texture;  // of an obj's skin, a PNG file; empty: what the OBJ's material names, if that is there
 
   double cell_mm = 3.5;

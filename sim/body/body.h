@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/body/chart.h"
+#include "sim/body/collider.h"
 #include "sim/body/layers.h"
 #include "sim/geometry/rest_grid.h"
 #include "sim/geometry/tri_mesh.h"
@@ -27,7 +28,8 @@ struct Body {
   TriMesh
       surface;  // vertices already on the even grid: X_mm == grid.to_mm(grid.to_grid(X_mm)); validated closed, embedded
   std::vector<Layer> layers;
-  std::shared_ptr<const LawCatalogue> laws;  // what layers may name; null: the shipped laws
+  std::shared_ptr<const LawCatalogue> laws;                // what layers may name; null: the shipped laws
+  std::vector<std::shared_ptr<const Collider>> colliders;  // what it lies against
   Vec3 tension_direction = Vec3::UnitX();
   Vec3 box_min_mm = Vec3::Zero(), box_max_mm = Vec3::Zero();
   bool is_box = false;  // an axis-aligned block: the lattice is fitted to it exactly

@@ -20,14 +20,24 @@ struct HeldContact {
   bool depth_tested = false;  // its weight says how deep the place is, and which way is out; else it is in front
 };
 
+/// A place of the surface and the plane of a collider that it is kept out of (collider_contacts.h).
+struct HeldByCollider {
+  int32_t place = 0, projections = 0;
+  Vec3 slid_mm = Vec3::Zero();  // along its planes, within its present neighbourhood
+  Vec3 normal = Vec3::UnitZ();  // away from the collider
+  double plane_mm = 0;          // normal . x of the plane
+  Vec3 at_mm = Vec3::Zero();    // the place when it was projected
+};
+
 /// What a finder must get back to go on as it would have. A place that is not named is fresh.
 struct ContactMemory {
   struct Damping {
     int32_t place = 0, projections = 0;  // in the neighbourhood that it has slid through so far
     Vec3 slid_mm = Vec3::Zero();
   };
-  std::vector<HeldContact> pairs;  // by place, then sheet
-  std::vector<Damping> damping;    // by place
+  std::vector<HeldContact> pairs;         // by place, then sheet
+  std::vector<Damping> damping;           // by place
+  std::vector<HeldByCollider> colliders;  // by place
 };
 
 }  // namespace limberg

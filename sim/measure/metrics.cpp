@@ -118,7 +118,8 @@ Metrics measure(const Snapshot& snapshot, const Skin& skin, const ElasticSolver&
   solver.cell_J(J);
   if (!J.empty()) m.min_J = double(*std::min_element(J.begin(), J.end()));
   look_at_inverted(J, solver.model(), m);
-  m.balance = force_balance(snapshot.hooks, snapshot.sutures, solver.support_force_mN(), solver.load_force_mN());
+  m.balance = force_balance(snapshot.hooks, snapshot.sutures, solver.support_force_mN(),
+                            solver.load_force_mN() + also.collider_force_mN);
 
   const SurfaceView& view = snapshot.topology->view;
   const std::span<const Vec3f> x = snapshot.x_mm;

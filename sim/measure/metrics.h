@@ -23,7 +23,7 @@ namespace limberg {
 /// Forces on the tissue from outside. At equilibrium they add up to nothing, whatever the stitches do within.
 struct ForceBalance {
   Vec3 hooks_N = Vec3::Zero(), supports_N = Vec3::Zero(), sum_N = Vec3::Zero();
-  Vec3 loads_N = Vec3::Zero();  // weight and loads of the scene
+  Vec3 loads_N = Vec3::Zero();  // weight and loads of the scene, and what colliders press with
   // |sum| / (|force| of each hook, of the loads' and the supports' resultant and of both ends of each stitch, added up;
   // at least 10 mN, so that rounding is not called an imbalance where nothing pulls).
   double relative = 0;
@@ -114,7 +114,8 @@ struct MeasureAlso {
   std::optional<PlannedProcedure> plan = {};
   std::vector<Landmark> landmarks = {};
   std::optional<double> closure_energy_uJ = {};
-  std::vector<int> one_bank = {};  // SoftTissue::stitches_in_one_bank
+  std::vector<int> one_bank = {};         // SoftTissue::stitches_in_one_bank
+  Vec3 collider_force_mN = Vec3::Zero();  // SoftTissue::collider_force_mN
 };
 
 /// `script`: what was done, for figures that belong to a

@@ -16,16 +16,16 @@ StepReport ContactDriver::step(const StepSettings& settings) {
   ElasticSolver& solver = tissue_.solver();
   if (settings.afresh && !to_resume_) to_resume_ = memory();
   follow();
-  if (!finder_ || settings.dt_s > 0) {
+  if (!any() || settings.dt_s > 0) {
     const StepReport report = solver.step(settings);
-    if (finder_) gone_.iterations += uint64_t(report.iterations);
+    if (any()) gone_.iterations += uint64_t(report.iterations);
     return report;
   }
   StepSettings part = settings;
   StepReport report;
   int done = 0;
   for (bool more = true; more;) {
-    const bool near = finder_->any_near();
+    const bool near = any_near();
     part.max_iterations =
         near ? std::min(settings.max_iterations - done, kIterationsOfContacts) : settings.max_iterations - done;
     part.most_move_mm = near ? kMoveOfContacts_mm : 0;
@@ -33,7 +33,7 @@ StepReport ContactDriver::step(const StepSettings& settings) {
     part.afresh = false;
     done += report.iterations;
     const bool moved = report.iterations > 0, stopped = settings.should_stop && settings.should_stop();
-    const bool others = moved && finder_->any_near() && follow();
+    const bool others = moved && any_near() && follow();
     if (done >= settings.max_iterations || stopped || !moved)
       more = false;
     else
@@ -59,18 +59,33 @@ bool ContactDriver::follow() {
         contact_surface({now.surface, &now.surface->view}, now.surface->embedding, now.lattice, *now.model);
     finder_ = surface ? std::make_unique<ContactFinder>(surface, *now.model) : nullptr;
     if (finder_) ++gone_.surfaces;
+    colliders_.reset();
+    if (!tissue_.body().colliders.empty()) {
+      colliders_ = std::make_unique<ColliderContacts>(now.surface->body, now.surface->view,
+                                                      now.surface->embedding.flat(), *now.model);
+      if (colliders_->places() == 0) colliders_.reset();
+    }
     lattice_ = now.lattice;
     fresh = true;
   }
   if (to_resume_) {
     if (finder_) finder_->resume(*to_resume_);
+    if (colliders_) colliders_->resume(to_resume_->colliders);
     to_resume_.reset();
     fresh = true;
   }
-  if (!finder_) return false;
-  const bool changed = finder_->follow(tissue_.solver().displacement_mm(), tissue_.workers());
-  if (fresh || changed) tissue_.solver().set_contacts(finder_->contacts());
-  return fresh || changed;
+  if (!any()) return false;
+  const std::span<const Vec3f> u = tissue_.solver().displacement_mm();
+  bool changed = fresh;
+  if (finder_) changed |= finder_->follow(u, tissue_.workers());
+  if (colliders_) changed |= colliders_->follow(u);
+  if (!changed) return false;
+  if (finder_ && colliders_) {
+    both_.assign(finder_->contacts().begin(), finder_->contacts().end());
+    both_.insert(both_.end(), colliders_->contacts().begin(), colliders_->contacts().end());
+  }
+  tissue_.solver().set_contacts(held_apart());
+  return true;
 }
 
 ContactCounts ContactDriver::counts() const {
@@ -85,11 +100,30 @@ ContactCounts ContactDriver::counts() const {
 
 ContactMemory ContactDriver::memory() const {
   if (to_resume_) return *to_resume_;  // not taken up yet
-  return finder_ && lattice_ == tissue_.version().lattice ? finder_->memory() : ContactMemory();
+  if (!any() || lattice_ != tissue_.version().lattice) return {};
+  ContactMemory m;
+  if (finder_) m = finder_->memory();
+  if (colliders_) m.colliders = colliders_->memory();
+  return m;
+}
+
+std::span<const Contact> ContactDriver::held_apart() const {
+  if (finder_ && colliders_) return both_;
+  if (colliders_) return colliders_->contacts();
+  return finder_ ? finder_->contacts() : std::span<const Contact>{};
+}
+
+Vec3 ContactDriver::collider_force_mN() const {
+  Vec3 sum = Vec3::Zero();
+  const std::span<const Contact> all = contacts();
+  if (!colliders_ || all.size() != tissue_.solver().contacts()) return sum;
+  for (size_t i = all.size() - colliders_->contacts().size(); i < all.size(); ++i)  // the last of the list
+    sum += tissue_.solver().contact_force_mN(i) * all[i].normal.cast<double>();
+  return sum;
 }
 
 std::span<const Contact> ContactDriver::contacts() const {
-  return finder_ && version_ == tissue_.surface().version ? finder_->contacts() : std::span<const Contact>{};
+  return version_ == tissue_.surface().version ? held_apart() : std::span<const Contact>{};
 }
 
 }  // namespace limberg

@@ -1,6 +1,6 @@
 #pragma once
-// Contact of wound surfaces during solver steps: the finder of the present surface, and the iterations between which
-// contacts follow the tissue.
+// Contact during solver steps, of wound surfaces and with colliders: the finders of the present surface, and the
+// iterations between which contacts follow the tissue.
 //
 // Where something may press, a step's iterations are taken some at a time, and after each contacts follow. At rest is
 // only what is at rest with the contacts of its own place. A dynamic step cannot be parted; its length bounds how far
@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 
+#include "sim/contact/collider_contacts.h"
 #include "sim/contact/contact_counts.h"
 #include "sim/contact/contact_finder.h"
 #include "sim/patient/tissue.h"
@@ -26,12 +27,19 @@ class ContactDriver {
   void resume(const ContactMemory& memory) { to_resume_ = memory; }
   /// Of the present surface; empty before its first step.
   std::span<const Contact> contacts() const;
+  /// Sum of the forces of colliders on the tissue, mN.
+  Vec3 collider_force_mN() const;
 
  private:
-  bool follow();  // true when the solver has others now; nothing is done where nothing has been cut
+  bool follow();  // true when the solver has others now; nothing is done where nothing can touch
+  std::span<const Contact> held_apart() const;  // what the solver has
+  bool any() const { return finder_ || colliders_; }
+  bool any_near() const { return (finder_ && finder_->any_near()) || (colliders_ && colliders_->any_near()); }
 
   Tissue& tissue_;
   std::unique_ptr<ContactFinder> finder_;           // absent as long as there is no wall
+  std::unique_ptr<ColliderContacts> colliders_;     // absent where none is near
+  std::vector<Contact> both_;                       // of both, where there are both
   uint64_t version_ = 0;                            // of the surface that it was made for
   std::shared_ptr<const LatticeTopology> lattice_;  // that it is for
   std::optional<ContactMemory> to_resume_;

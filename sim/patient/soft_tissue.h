@@ -81,7 +81,8 @@ class SoftTissue {
   double initial_volume_mm3() const { return tissue_.initial_volume_mm3(); }
   int pieces() const { return tissue_.version().lattice->pieces; }  // connected pieces of the lattice
   std::vector<int> stitches_in_one_bank() const { return sutures_.in_one_bank(); }
-  ContactCounts contact_counts() const { return contacts_.counts(); }  // what contact has cost so far, counted
+  ContactCounts contact_counts() const { return contacts_.counts(); }       // what contact has cost so far, counted
+  Vec3 collider_force_mN() const { return contacts_.collider_force_mN(); }  // sum, on the tissue
   /// Elastic energy, threads included (and weight and loads by what they have done), above that of the open wound: of
   /// the last state at rest (residual 1e-3) that neither hook nor stitch held. Nothing as long as there was none, or a
   /// hook still pulls. Cutting after it goes into the difference.

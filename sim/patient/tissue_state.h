@@ -133,9 +133,14 @@ void fields(const ContactMemory::Damping& d, V&& v) {
   v(place, projections, slid_mm);
 }
 template <class V>
+void fields(const HeldByCollider& h, V&& v) {
+  const auto& [place, projections, slid_mm, normal, plane_mm, at_mm] = h;
+  v(place, projections, slid_mm, normal, plane_mm, at_mm);
+}
+template <class V>
 void fields(const ContactMemory& m, V&& v) {
-  const auto& [pairs, damping] = m;
-  v(pairs, damping);
+  const auto& [pairs, damping, colliders] = m;
+  v(pairs, damping, colliders);
 }
 /// The model and the index follow from lattice and surface; the number of the surface's version grows with undo, too.
 template <class V>

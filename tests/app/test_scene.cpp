@@ -12,6 +12,7 @@
 #include "app/scene/scene.h"
 #include "render/image.h"
 #include "sim/base/error.h"
+#include "sim/base/whole_file.h"
 
 namespace limberg {
 namespace test_scene {
@@ -331,6 +332,39 @@ patches = [
   }
 }
 
+TEST(Scene, Colliders) {
+  namespace fs = std::filesystem;
+  const TemporaryFolder folder;
+  const std::string file = (fs::path(folder.path()) / "tooth.obj").string();
+  write_whole_file(file, "v 0 0 2\nv 9 0 2\nv 0 9 2\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+  const std::string beside = (fs::path(folder.path()) / "s.toml").string();
+  const std::string two = "[[collider]]\nmesh = \"tooth.obj\"\ncolour = [1, 0.5, 0]\n[[collider]]\nmesh = \"" + file +
+                          "\"\nscale_to_mm = 2\n";
+  const Scene s = parse_scene(kGood + two, beside);
+  const auto body = build_body(s);
+  ASSERT_EQ(body->colliders.size(), 2u);
+  EXPECT_EQ(body->colliders[0]->name, "tooth");
+  EXPECT_EQ(body->colliders[0]->colour, Vec3f(1, 0.5f, 0));
+  EXPECT_EQ(body->colliders[1]->mesh.X_mm[3], Vec3(0, 0, 18));
+  EXPECT_NE(s.hash, parse_scene(kGood, beside).hash);
+  const uint64_t before = s.hash;
+  write_whole_file(file, "v 0 0 2\nv 9 0 2\nv 0 9 2\nv 0 0 8\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+  EXPECT_NE(parse_scene(kGood + two, beside).hash, before) << "the scene is another one when the file is";
+  const auto why = [&](const std::string& text) -> std::string {
+    try {
+      build_body(parse_scene(kGood + text, beside));
+      return "";
+    } catch (const InputError& e) {
+      return e.what();
+    }
+  };
+  EXPECT_NE(why("[collider]\nmesh = \"tooth.obj\"\n").find("collider is no list of 1 to 16 tables"), std::string::npos);
+  EXPECT_NE(why("[[collider]]\ncolour = [1, 0, 0]\n").find("collider.mesh is missing"), std::string::npos);
+  EXPECT_NE(why("[[collider]]\nmesh = \"tooth.obj\"\ncolour = [1, -1, 0]\n").find("part below 0"), std::string::npos);
+  EXPECT_NE(why("[[collider]]\nmesh = \"tooth.obj\"\nsoft = 1\n").find("unknown key"), std::string::npos);
+  EXPECT_NE(why("[[collider]]\nmesh = \"none.obj\"\n").find("none.obj"), std::string::npos);
+}
+
 TEST(Scene, FilesThatAreNoScenes) {
   namespace fs = std::filesystem;
   EXPECT_THROW(load_scene("/no/such/scene.toml"), InputError);
@@ -342,9 +376,10 @@ TEST(Scene, FilesThatAreNoScenes) {
     find_scene("rhombus", {kScenes});
     ADD_FAILURE();
   } catch (const InputError& e) {
-    EXPECT_NE(std::string(e.what()).find(
-                  "craniofacial, ear, face, face_side, head, nose, prognathic, retrognathic, rhomboid, scalp, zplasty"),
-              std::string::npos)
+    EXPECT_NE(
+        std::string(e.what()).find(
+            "craniofacial, ear, face, face_side, head, lips, nose, prognathic, retrognathic, rhomboid, scalp, zplasty"),
+        std::string::npos)
         << e.what();
   }
 }

@@ -9,6 +9,7 @@
 
 #include "app/program/temporary_folder.h"
 #include "render/image.h"
+#include "sim/body/collider.h"
 #include "sim/body/obj.h"
 #include "sim/body/obj_material.h"
 #include "tests/bench/fuzz/readers.h"
@@ -78,6 +79,21 @@ Entry body_entry() {
                     });
 }
 
+/// What tissue lies against: closed, whatever else.
+Entry collider_entry() {
+  return text_entry("collider", {"sim/body/collider.cpp", "sim/geometry/io/obj_text.cpp"},
+                    {"v 0 0 0\nv 30 0 0\nv 0 20 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"},
+                    [](const std::string& text) -> std::string {
+                      ColliderSpec spec;
+                      spec.path = kNamed;
+                      const auto c = parse_collider(text, spec);
+                      for (const Tri& t : c->mesh.tri)
+                        for (const int32_t v : t)
+                          if (v < 0 || size_t(v) >= c->mesh.X_mm.size()) return "a triangle without its corner";
+                      return c->mesh.tri.size() < 4 ? "a collider that encloses nothing" : "";
+                    });
+}
+
 Entry material_entry() {
   return text_entry("material", {"sim/body/obj_material.cpp"},
                     {"newmtl a\nKd 1 1 1\nmap_Kd -s 1 1 1 face.png\n", "mtllib a b.mtl\nv 0 0 0\n"},
@@ -126,6 +142,7 @@ std::vector<Entry> file_entries(const Folder& folder) {
   std::vector<Entry> all;
   for (const bench::Reader& r : bench::readers()) all.push_back(reader_entry(r, folder));
   all.push_back(body_entry());
+  all.push_back(collider_entry());
   all.push_back(material_entry());
   all.push_back(png_entry());
   return all;

@@ -2,17 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
-#include <numeric>
-#include <set>
-#include <tuple>
+#include <optional>
 
 #include "sim/geometry/bvh.h"
 #include "sim/imaging/anatomical/eye_shape.h"
+#include "sim/imaging/anatomical/mouth_bed.h"
 #include "sim/imaging/anatomical/mouth_shape.h"
 #include "sim/imaging/anatomical/skin_shape.h"
 #include "sim/imaging/fit/graded_grid.h"
+#include "sim/imaging/fit/thinning.h"
 
 namespace limberg {
 namespace {
@@ -35,14 +34,16 @@ struct SmallCells {
 const SmallCells kSmallCells[] = {
     {{31.5, 80, 15}, 18, 2}, {{0, 108, -32}, 20, 2}, {{14, 100, -55}, 14, 2}, {{78, -14, 3}, 32, 2}};
 constexpr double kFlatCell_mm = 4, kCellSpread = 1, kDeepCell_mm = 4;  // halves of 16
-constexpr double kThin = 0.8, kOff = 0.12, kDeepEdge_mm = 4.5;         // wanted edges: of skin by its cells
+constexpr double kThin = 0.8, kDeepEdge_mm = 4.5;                      // wanted edges: of skin by its cells
 
-// Lips that are parted: the slit between them, its edges, and how deep skin goes on over a lip's edge before it is mucosa.
+// Lips that are parted: the slit between them, its edges, and how deep skin goes on over a lip's edge before it is
+// mucosa.
 constexpr double kParted_mm = 1.6, kMargin_mm = 0.5, kRedLip_mm = 7;
 // A lip is 11 to 13 mm thick (as remembered of Stephan and Simpson 2008), less than a cheek.
-constexpr double kThinner_mm = 6;
-// The vestibule behind them: half its width, its folds above and below.
-constexpr double kVestibule_mm = 30, kUpperFold_mm = -39, kLowerFold_mm = -75;
+constexpr double kThinner_mm = 6, kBeforeBed_mm = 0.4;
+// What looks into the mouth lies deeper than this. The vestibule behind the lips: half its width, its folds above and
+// below.
+constexpr double kInMouth_mm = 1, kVestibule_mm = 30, kUpperFold_mm = -39, kLowerFold_mm = -75;
 
 double cell_at(const Vec3& p) {
   const Vec3 q(std::abs(p.x()), p.y(), p.z());
@@ -67,141 +68,18 @@ bool in_vestibule(const Vec3& p) {
   return std::abs(p.x()) < kVestibule_mm && p.y() > 70 && p.z() < kUpperFold_mm && p.z() > kLowerFold_mm;
 }
 
+/// A place of the red lip before it: the picture has none for what looks into the mouth.
+Vec3 as_red_lip(const Vec3& p) {
+  const double x = std::min(std::abs(p.x()), Mouth::kCorner_mm), line = Mouth::line_mm(x);
+  return {p.x(), p.y(), (line + (p.z() > line ? Mouth::red_to_mm(x) : Mouth::red_from_mm(x))) / 2};
+}
+
 double sides(const Vec3& p) { return std::max({kBack_mm - p.y(), p.z() - kTop_mm, kBottom_mm - p.z()}); }
 
 double globes(const Vec3& p) {
   const Vec3 q(std::abs(p.x()), p.y(), p.z());
   return std::min((q - Eye::centre()).norm() - Eye::kGlobe_mm, (q - Eye::centre() - Vec3(0, 5.3, 0)).norm() - 7.9);
 }
-
-/// The largest of the closed pieces.
-void keep_largest(FaceTissue& f) {
-  std::vector<int32_t> root(f.X_mm.size());
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](int32_t v) {
-    while (root[size_t(v)] != v) v = root[size_t(v)] = root[size_t(root[size_t(v)])];
-    return v;
-  };
-  for (const Tri& t : f.tri)
-    for (size_t k = 1; k < 3; ++k) {
-      const int32_t a = find(t[0]), b = find(t[k]);
-      root[size_t(std::max(a, b))] = std::min(a, b);
-    }
-  std::map<int32_t, size_t> count;
-  for (const Tri& t : f.tri) ++count[find(t[0])];
-  int32_t most = -1;
-  for (const auto& [r, n] : count)
-    if (most < 0 || n > count[most]) most = r;
-  std::vector<int32_t> number(f.X_mm.size(), -1);
-  std::vector<Vec3> X;
-  std::vector<Tri> tri;
-  for (const Tri& t : f.tri) {
-    if (find(t[0]) != most) continue;
-    Tri u = t;
-    for (int32_t& v : u) {
-      if (number[size_t(v)] < 0) number[size_t(v)] = int32_t(X.size()), X.push_back(f.X_mm[size_t(v)]);
-      v = number[size_t(v)];
-    }
-    tri.push_back(u);
-  }
-  f.X_mm = std::move(X), f.tri = std::move(tri);
-}
-
-/// Triangles without the short edges that tetrahedra leave: an edge shorter than its place wants becomes its middle,
-/// put back on the surface, the shortest first, where the surface stays a manifold and no triangle turns by more than
-/// 60 degrees or grows longer than twice what is wanted.
-class Thinning {
- public:
-  Thinning(FaceTissue& f, const LevelSet& set) : f_(f), set_(set), of_(f.X_mm.size()) {
-    for (size_t t = 0; t < f.tri.size(); ++t)
-      for (const int32_t v : f.tri[t]) of_[size_t(v)].push_back(int32_t(t));
-  }
-  void run(const std::function<double(const Vec3&)>& edge_mm) {
-    std::set<std::tuple<double, int32_t, int32_t>> todo;
-    const auto add = [&](int32_t a, int32_t b) {
-      const double length = (f_.X_mm[size_t(a)] - f_.X_mm[size_t(b)]).norm();
-      if (length < edge_mm((f_.X_mm[size_t(a)] + f_.X_mm[size_t(b)]) / 2))
-        todo.emplace(length, std::min(a, b), std::max(a, b));
-    };
-    for (const Tri& t : f_.tri)
-      for (size_t k = 0; k < 3; ++k)
-        if (t[k] < t[(k + 1) % 3]) add(t[k], t[(k + 1) % 3]);
-    while (!todo.empty()) {
-      const auto [length, a, b] = *todo.begin();
-      todo.erase(todo.begin());
-      if (of_[size_t(a)].empty() || of_[size_t(b)].empty() ||
-          (f_.X_mm[size_t(a)] - f_.X_mm[size_t(b)]).norm() != length)
-        continue;
-      if (!collapse(a, b, edge_mm)) continue;
-      for (const int32_t n : neighbours(a)) add(a, n);
-    }
-    std::vector<int32_t> number(f_.X_mm.size(), -1);
-    std::vector<Vec3> X;
-    std::vector<Tri> tri;
-    for (const Tri& t : f_.tri) {
-      if (t[0] < 0) continue;
-      Tri u = t;
-      for (int32_t& v : u) {
-        if (number[size_t(v)] < 0) number[size_t(v)] = int32_t(X.size()), X.push_back(f_.X_mm[size_t(v)]);
-        v = number[size_t(v)];
-      }
-      tri.push_back(u);
-    }
-    f_.X_mm = std::move(X), f_.tri = std::move(tri);
-  }
-
- private:
-  std::set<int32_t> neighbours(int32_t v) const {
-    std::set<int32_t> out;
-    for (const int32_t t : of_[size_t(v)])
-      for (const int32_t w : f_.tri[size_t(t)])
-        if (w != v) out.insert(w);
-    return out;
-  }
-  Vec3 normal(const Tri& t, int32_t moved, int32_t also, const Vec3& to) const {
-    const auto at = [&](int32_t v) { return v == moved || v == also ? to : f_.X_mm[size_t(v)]; };
-    return (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0]));
-  }
-  bool collapse(int32_t a, int32_t b, const std::function<double(const Vec3&)>& edge_mm) {
-    const std::set<int32_t> na = neighbours(a), nb = neighbours(b);
-    std::vector<int32_t> both;
-    std::set_intersection(na.begin(), na.end(), nb.begin(), nb.end(), std::back_inserter(both));
-    if (both.size() != 2 || !na.contains(b)) return false;
-    for (const int32_t v : both)
-      if (of_[size_t(v)].size() < 4) return false;
-    Vec3 to = (f_.X_mm[size_t(a)] + f_.X_mm[size_t(b)]) / 2;
-    if (!put_on_surface(set_, to, 1)) return false;
-    for (const int32_t v : {a, b})
-      for (const int32_t t : of_[size_t(v)]) {
-        const Tri& c = f_.tri[size_t(t)];
-        if (std::count(c.begin(), c.end(), a) && std::count(c.begin(), c.end(), b)) continue;
-        const Vec3 was = normal(c, -1, -1, to), is = normal(c, a, b, to);
-        if (!(was.dot(is) > 0.5 * was.norm() * is.norm())) return false;
-        Vec3 middle = Vec3::Zero();
-        for (const int32_t w : c) middle += (w == v ? to : f_.X_mm[size_t(w)]) / 3;
-        if (!(std::abs(level_at(set_, middle).distance_mm) < kOff * edge_mm(to))) return false;
-        for (const int32_t w : c)
-          if (w != v && (f_.X_mm[size_t(w)] - to).norm() > 2 * edge_mm(to)) return false;
-      }
-    f_.X_mm[size_t(a)] = to;
-    for (const int32_t t : of_[size_t(b)]) {
-      Tri& c = f_.tri[size_t(t)];
-      if (std::count(c.begin(), c.end(), a)) {
-        for (const int32_t w : c)
-          if (w != b) std::erase(of_[size_t(w)], t);
-        c = {-1, -1, -1};
-        continue;
-      }
-      std::replace(c.begin(), c.end(), b, a);
-      of_[size_t(a)].push_back(t);
-    }
-    of_[size_t(b)].clear();
-    return true;
-  }
-  FaceTissue& f_;
-  const LevelSet& set_;
-  std::vector<std::vector<int32_t>> of_;
-};
 
 }  // namespace
 
@@ -225,14 +103,16 @@ FaceTissue make_face_tissue(Workers& workers, Lips lips) {
     return s > -1 ? -s - thick_at(p) : near_skin.closest(p).distance_mm - thick_at(p);
   };
   const auto slit = [&](const Vec3& p) { return parted ? -Mouth::slit(p, kParted_mm) : -1e3; };
+  std::optional<MouthBed> bed;  // lips lie before it
+  if (parted) bed.emplace(skin);
   LevelSet set;
   set.distance_mm = [&](const Vec3& p) {
     const double s = skin(p);
     if (s > 10) return s;
     const double shell = smax(smax(s, deep(p, s), kRound_mm), sides(p), kRound_mm);
-    return parted ? smax(shell, slit(p), kMargin_mm) : shell;
+    return parted ? smax(smax(shell, kBeforeBed_mm - (*bed)(p), kMargin_mm), slit(p), kMargin_mm) : shell;
   };
-  set.lipschitz = SkinShape::kLipschitz;
+  set.lipschitz = std::max(SkinShape::kLipschitz, parted ? MouthBed::kLipschitz : 0);
   set.low_mm = {-105, kBack_mm - 4, kBottom_mm - 4}, set.high_mm = {105, 138, kTop_mm + 4};
   const auto cell = [&](const Vec3& p) {
     const double at = skin(p) > -5 ? cell_at(p) : kDeepCell_mm;
@@ -240,21 +120,23 @@ FaceTissue make_face_tissue(Workers& workers, Lips lips) {
   };
   FaceTissue f;
   march_graded(set, cell, workers, f.X_mm, f.tri);
-  keep_largest(f);
-  Thinning(f, set).run([&](const Vec3& p) {
+  keep_largest(f.X_mm, f.tri);
+  thin_edges(f.X_mm, f.tri, set, [&](const Vec3& p) {
     const double edge = skin(p) > -5 ? kThin * cell_at(p) : kDeepEdge_mm;
     return parted ? std::min(edge, kThin * cell(p)) : edge;
   });
   for (const Tri& t : f.tri) {
     const Vec3 c = (f.X_mm[size_t(t[0])] + f.X_mm[size_t(t[1])] + f.X_mm[size_t(t[2])]) / 3;
-    const double s = skin(c), d = deep(c, s), e = sides(c), m = slit(c);
+    const double s = skin(c), d = std::max(deep(c, s), bed ? kBeforeBed_mm - (*bed)(c) : -1e3), e = sides(c),
+                 m = slit(c);
     FacePart part = s >= std::max(d, e) ? FacePart::skin : d >= e ? FacePart::deep : FacePart::side;
     if (part == FacePart::skin && globes(c) < kGlobe_mm) part = FacePart::globe;
     if (m > std::max({s, d, e})) part = s > -kRedLip_mm ? FacePart::skin : FacePart::mucosa;
     if (parted && part == FacePart::deep && in_vestibule(c)) part = FacePart::mucosa;
     f.part.push_back(part);
   }
-  for (const Vec3& X : f.X_mm) f.uv.push_back(face_picture_place(X));
+  for (const Vec3& X : f.X_mm)
+    f.uv.push_back(face_picture_place(parted && skin(X) < -kInMouth_mm && in_vestibule(X) ? as_red_lip(X) : X));
   return f;
 }
 

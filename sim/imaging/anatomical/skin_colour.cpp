@@ -65,10 +65,8 @@ double brow(const Vec3& q) {
 }
 
 double vermilion(const Vec3& q) {
-  static const double x[] = {0, 2.5, 5.5, 12, 19, 27}, up[] = {-48.6, -48.2, -47.2, -48.8, -51.6, -55.4};
-  static const double xl[] = {0, 7, 13, 20, 27}, low[] = {-65.2, -65.0, -63.4, -60.4, -56.4};
   if (q.x() > 27.5 || q.y() < 86) return 0;
-  return ramp(-0.6, 0.6, along(x, up, q.x()) - q.z()) * ramp(-0.6, 0.6, q.z() - along(xl, low, q.x()));
+  return ramp(-0.6, 0.6, Mouth::red_to_mm(q.x()) - q.z()) * ramp(-0.6, 0.6, q.z() - Mouth::red_from_mm(q.x()));
 }
 
 }  // namespace

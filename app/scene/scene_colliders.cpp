@@ -1,0 +1,41 @@
+#include "app/scene/scene_colliders.h"
+
+#include <filesystem>
+
+namespace limberg {
+namespace {
+
+constexpr size_t kMostColliders = 16;
+
+}  // namespace
+
+void read_colliders(const toml::table& root, const std::string& file, Scene& s) {
+  namespace fs = std::filesystem;
+  const toml::node* n = root.get("collider");
+  if (!n) return;
+  const auto fail = [&](const toml::node& at, const std::string& what) {
+    throw InputError(file, int(at.source().begin.line), "collider " + what);
+  };
+  const toml::array* all = n->as_array();
+  if (!all || all->empty() || all->size() > kMostColliders)
+    fail(*n, "is no list of 1 to " + std::to_string(kMostColliders) + " tables; expected [[collider]] with mesh");
+  for (const toml::node& e : *all) {
+    if (!e.is_table()) fail(e, "holds something else than tables; expected [[collider]] with mesh");
+    Table one(e.as_table(), "collider", file);
+    if (!one.has("mesh")) one.fail("mesh", "is missing; expected the path of an OBJ file");
+    ColliderSpec c;
+    one.text("mesh", c.path, 4000);
+    if (!fs::path(c.path).is_absolute()) c.path = (fs::path(file).parent_path() / c.path).lexically_normal().string();
+    one.real("scale_to_mm", c.scale_to_mm, 0, 1e6, true);
+    if (one.has("colour")) {
+      Vec3 srgb = Vec3::Zero();
+      one.vector("colour", srgb, 1);
+      if (srgb.minCoeff() < 0) one.fail("colour", "has a part below 0; expected three numbers from 0 to 1");
+      c.colour = srgb.cast<float>();
+    }
+    one.finish();
+    s.colliders.push_back(std::move(c));
+  }
+}
+
+}  // namespace limberg

@@ -1,0 +1,160 @@
+#include "sim/contact/collider_contacts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "sim/base/elementary.h"
+#include "sim/contact/contact_constants.h"
+#include "sim/geometry/triangle.h"
+
+namespace limberg {
+namespace {
+
+namespace constant = contact_constants;
+
+// Tissue that lies farther away at rest comes to no collider: nothing that is sewn is drawn so far.
+constexpr double kReach_mm = 30;
+constexpr int kWholeProjections = 2, kMostSteps = 8;
+
+struct Way {
+  double depth_mm = -std::numeric_limits<double>::infinity();  // below 0 outside
+  Vec3 out = Vec3::Zero(), foot_mm = Vec3::Zero();
+};
+
+/// From x to the surface of the collider that it is nearest to, or deepest in.
+Way way_to(std::span<const SidedPatch> patches, const Vec3& x, double far_mm) {
+  Way best;
+  for (const SidedPatch& patch : patches) {
+    const Bvh::Closest c = patch.bvh().closest(x, far_mm);
+    if (c.triangle < 0) continue;
+    const Vec3 side = patch.side_normal(c), from = x - c.point_mm;
+    const bool inside = from.dot(side) < 0;
+    if (const double depth = inside ? c.distance_mm : -c.distance_mm; depth > best.depth_mm) {
+      best.depth_mm = depth, best.foot_mm = c.point_mm;
+      // On the surface itself the way is the side's normal; elsewhere it is the line to the foot.
+      constexpr double kOn_mm = 1e-6;
+      best.out = c.distance_mm > kOn_mm ? Vec3((inside ? -1.0 : 1.0) * from / c.distance_mm) : Vec3(side.normalized());
+    }
+  }
+  return best;
+}
+
+Vec3 displacement(const EmbeddedPoint& e, std::span<const Vec3f> u) {
+  Vec3 sum = Vec3::Zero();
+  double all = 0;
+  for (size_t i = 0; i < 8; ++i)
+    if (e.w[i] != 0) sum += double(e.w[i]) * u[size_t(e.node[i])].cast<double>(), all += double(e.w[i]);
+  return all > 0 ? Vec3(sum / all) : sum;
+}
+
+}  // namespace
+
+ColliderContacts::ColliderContacts(std::shared_ptr<const Body> body, const SurfaceView& view,
+                                   std::span<const EmbeddedPoint> embedding, const FemModel& model)
+    : body_(std::move(body)) {
+  for (const auto& c : body_->colliders) {
+    std::vector<int32_t> all(c->mesh.tri.size());
+    std::iota(all.begin(), all.end(), 0);
+    patch_.emplace_back(c->mesh, all);
+  }
+  if (patch_.empty()) return;
+  std::vector<double> area(view.X_mm.size(), 0);  // of the free surface that each vertex stands for
+  for (size_t t = 0; t < view.tri.size(); ++t) {
+    if (view.kind[t] == FaceKind::fixed) continue;
+    const Tri& c = view.tri[t];
+    const double a =
+        0.5 * area_vector2(view.X_mm[size_t(c[0])], view.X_mm[size_t(c[1])], view.X_mm[size_t(c[2])]).norm();
+    for (const int32_t v : c) area[size_t(v)] += a / 3;
+  }
+  const double cell_mm = elementary::cbrt(model.cell_mm.prod());
+  for (size_t v = 0; v < area.size(); ++v) {
+    if (!(area[v] > 0)) continue;
+    const Way way = way_to(patch_, view.X_mm[v], kReach_mm);
+    if (!(way.depth_mm > -kReach_mm)) continue;
+    const int32_t copy = view.cell_copy[v];
+    const double young_kPa = 3 * model.stencils[size_t(model.cells[size_t(copy)].stencil)].mu_kPa;
+    Place p{int32_t(v), embedding[v], view.X_mm[v], 0, std::max(0.0, way.depth_mm)};
+    p.k_N_per_mm = 1e-3 * constant::stiffness * young_kPa * area[v] / cell_mm;
+    place_.push_back(p);
+  }
+  state_.resize(place_.size());
+}
+
+void ColliderContacts::project(size_t i, const Vec3& x) {
+  State& s = state_[i];
+  const Way way = way_to(patch_, x, kReach_mm);
+  s.asked_mm = x;
+  s.far_mm = std::max(0.0, -way.depth_mm - constant::guard_mm);
+  const bool held = s.holds;
+  s.holds = way.depth_mm > -constant::guard_mm;
+  if (!s.holds) return;
+  HeldByCollider& h = s.held;
+  const double plane_mm = way.out.dot(way.foot_mm) - place_[i].deep_mm;
+  if (!held) {
+    h = {int32_t(i), 0, Vec3::Zero(), way.out, plane_mm, x};
+    return;
+  }
+  const Vec3 slid = x - h.at_mm;
+  h.slid_mm += slid - h.normal.dot(slid) * h.normal;
+  if (h.slid_mm.norm() > constant::neighbourhood_mm) h.slid_mm = Vec3::Zero(), h.projections = 0;
+  const double part = h.projections < kWholeProjections ? 1 : 1.0 / (h.projections - kWholeProjections + 2);
+  // Of two planes: what lies between them at the place.
+  const double before_mm = h.normal.dot(x) - h.plane_mm, now_mm = way.out.dot(x) - plane_mm;
+  h.normal = (h.normal + part * (way.out - h.normal)).normalized();
+  h.plane_mm = h.normal.dot(x) - (before_mm + part * (now_mm - before_mm));
+  h.at_mm = x;
+  ++h.projections;
+}
+
+bool ColliderContacts::follow(std::span<const Vec3f> u) {
+  bool changed = resumed_;
+  resumed_ = false;
+  for (size_t i = 0; i < place_.size(); ++i) {
+    State& s = state_[i];
+    const Vec3 x = place_[i].X_mm + displacement(place_[i].embedded, u);
+    if (s.holds) {
+      const HeldByCollider& h = s.held;
+      const double apart_mm = h.normal.dot(x) - h.plane_mm;
+      const Vec3 way = x - h.at_mm, slid = way - h.normal.dot(way) * h.normal;
+      const bool still = h.projections > kMostSteps && (h.slid_mm + slid).norm() < constant::neighbourhood_mm;
+      if (still || slid.norm() < constant::slide_mm + std::max(0.0, apart_mm)) continue;
+    } else if (s.far_mm >= 0 && (x - s.asked_mm).norm() < s.far_mm) {
+      continue;
+    }
+    const bool held = s.holds;
+    project(i, x);
+    changed |= held || s.holds;
+  }
+  if (!changed) return false;
+  contacts_.clear();
+  for (size_t i = 0; i < place_.size(); ++i) {
+    if (!state_[i].holds) continue;
+    Contact c;
+    c.a = place_[i].embedded;
+    c.normal = state_[i].held.normal.cast<float>().normalized();
+    c.gap_mm = float(state_[i].held.plane_mm - constant::slack_mm);
+    c.soft_mm = float(constant::soft_mm);
+    c.k_N_per_mm = float(place_[i].k_N_per_mm);
+    contacts_.push_back(c);
+  }
+  return true;
+}
+
+std::vector<HeldByCollider> ColliderContacts::memory() const {
+  std::vector<HeldByCollider> out;
+  for (const State& s : state_)
+    if (s.holds) out.push_back(s.held);
+  return out;
+}
+
+void ColliderContacts::resume(std::span<const HeldByCollider> memory) {
+  state_.assign(place_.size(), {});
+  for (const HeldByCollider& h : memory)
+    if (h.place >= 0 && size_t(h.place) < place_.size())
+      state_[size_t(h.place)].held = h, state_[size_t(h.place)].holds = true;
+  resumed_ = true;
+}
+
+}  // namespace limberg

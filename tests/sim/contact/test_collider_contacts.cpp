@@ -1,0 +1,176 @@
+// Tissue against what does not move: it stops there, its forces balance, what overlaps at rest does not push, and undo
+// brings all of it back.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sim/base/error.h"
+#include "sim/body/block.h"
+#include "sim/measure/patient.h"
+#include "sim/patient/soft_tissue.h"
+#include "sim/patient/world.h"
+#include "tests/sim/patient/small_block.h"
+
+namespace limberg {
+namespace test_collider_contacts {
+
+/// A box whose faces look outwards.
+std::shared_ptr<const Collider> box(const Vec3& low, const Vec3& high) {
+  auto c = std::make_shared<Collider>();
+  for (int k = 0; k < 8; ++k)
+    c->mesh.X_mm.push_back({(k & 1 ? high : low).x(), (k & 2 ? high : low).y(), (k & 4 ? high : low).z()});
+  for (const auto& [p, q, r, s] :
+       {std::array{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}})
+    c->mesh.tri.push_back({p, q, r}), c->mesh.tri.push_back({p, r, s});
+  return c;
+}
+
+/// A ball about `centre`, fine enough to be round.
+std::shared_ptr<const Collider> ball(const Vec3& centre, double radius) {
+  constexpr int kRound = 48, kUp = 24;
+  auto c = std::make_shared<Collider>();
+  TriMesh& m = c->mesh;
+  const auto at = [&](int i, int j) {
+    const double a = 2 * M_PI * i / kRound, b = M_PI * j / kUp;
+    return Vec3(centre + radius * Vec3(std::sin(b) * std::cos(a), std::sin(b) * std::sin(a), -std::cos(b)));
+  };
+  m.X_mm.push_back(at(0, 0));
+  for (int j = 1; j < kUp; ++j)
+    for (int i = 0; i < kRound; ++i) m.X_mm.push_back(at(i, j));
+  m.X_mm.push_back(at(0, kUp));
+  const auto id = [&](int i, int j) { return int32_t(1 + (j - 1) * kRound + i % kRound); };
+  const auto top = int32_t(m.X_mm.size() - 1);
+  for (int i = 0; i < kRound; ++i) {
+    m.tri.push_back({0, id(i + 1, 1), id(i, 1)});
+    m.tri.push_back({top, id(i, kUp - 1), id(i + 1, kUp - 1)});
+    for (int j = 1; j + 1 < kUp; ++j)
+      m.tri.push_back({id(i, j), id(i + 1, j), id(i + 1, j + 1)}),
+          m.tri.push_back({id(i, j), id(i + 1, j + 1), id(i, j + 1)});
+  }
+  return c;
+}
+
+WorldSpec block(std::shared_ptr<const Collider> against) {
+  WorldSpec spec = test::small_block({.along = 1, .across = 1});
+  auto body = std::make_shared<Body>(*spec.body);
+  if (against) body->colliders = {std::move(against)};
+  spec.body = body;
+  spec.contact = ContactChoice::automatic;
+  return spec;
+}
+
+StepReport settle(World& world, int steps = 60) {
+  StepSettings s;
+  s.max_iterations = 30, s.tolerance = 1e-6;
+  StepReport r;
+  for (int i = 0; i < steps; ++i)
+    if (r = world.step(s); r.converged) break;
+  return r;
+}
+
+/// Displacement of the skin's highest place, mm.
+double highest_mm(const World& world) {
+  Snapshot s;
+  world.fill(s);
+  double most = -1e9;
+  for (const Vec3f& x : s.x_mm) most = std::max(most, double(x.z()));
+  return most;
+}
+
+const SkinLoad kLift{{0, 0}, {0, 0, 0.6}, 6};
+
+TEST(Colliders, SkinThatIsLiftedStopsAtAPlateAndForcesBalance) {
+  InlineWorkers workers;
+  constexpr double kGap_mm = 0.5;
+  WorldSpec free = block(nullptr), stopped = block(box({-25, -25, kGap_mm}, {25, 25, 12}));
+  free.loads = stopped.loads = {kLift};
+  World a(free, workers), b(stopped, workers);
+  settle(a);
+  const StepReport r = settle(b);
+  ASSERT_GT(highest_mm(a), 1.5) << "the load lifts it past the plate where there is none";
+  EXPECT_TRUE(r.converged);
+  // Under a pressure p a place yields by p h / (c E) and a little for the soft beginning of the spring.
+  const Vec3 plate_mN = b.skin()->collider_force_mN();
+  EXPECT_LT(plate_mN.z(), -50);
+  EXPECT_LT(plate_mN.head<2>().norm(), 1e-3 * plate_mN.norm()) << "no friction on level ground";
+  EXPECT_GT(highest_mm(b), kGap_mm - 0.02);
+  EXPECT_LT(highest_mm(b), kGap_mm + 0.2);
+  Snapshot s;
+  b.fill(s);
+  const Vec3 sum = b.skin()->solver().load_force_mN() + plate_mN - b.skin()->solver().support_force_mN();
+  EXPECT_LT(sum.norm(), 1e-3 * b.skin()->solver().load_force_mN().norm());
+  const Metrics m = measure_world(b, {});
+  EXPECT_LT(m.balance.relative, 1e-3);
+}
+
+TEST(Colliders, WhatOverlapsAtRestDoesNotPush) {
+  InlineWorkers workers;
+  World world(block(box({-25, -25, -0.3}, {25, 25, 12})), workers);
+  settle(world);
+  EXPECT_EQ(world.skin()->collider_force_mN(), Vec3::Zero());
+  EXPECT_LT(highest_mm(world), 1e-4);
+}
+
+// A ball in the way of skin that is lifted: no place of the skin lies in it by more than the springs yield, and it
+// pushes along its own normals, so that lifting beside it pushes the skin aside.
+TEST(Colliders, SkinGoesRoundABall) {
+  InlineWorkers workers;
+  const Vec3 centre(3, 0, 6.2);
+  constexpr double kRadius_mm = 6;
+  WorldSpec spec = block(ball(centre, kRadius_mm));
+  spec.cell_mm = 3;  // a small ball is met by few cells
+  spec.loads = {{{0, 0}, {0, 0, 0.3}, 6}};
+  World world(spec, workers);
+  EXPECT_TRUE(settle(world).converged);
+  const Vec3 force_mN = world.skin()->collider_force_mN();
+  EXPECT_LT(force_mN.z(), -20);
+  EXPECT_LT(force_mN.x(), -0.01 * std::abs(force_mN.z())) << "the load lies at x < 3: it is pushed towards -x";
+  Snapshot s;
+  world.fill(s);
+  double deepest = 0;
+  for (const Vec3f& x : s.x_mm) deepest = std::max(deepest, kRadius_mm - (x.cast<double>() - centre).norm());
+  EXPECT_LT(deepest, 0.25);
+}
+
+TEST(Colliders, UndoBringsBackWhatPressed) {
+  InlineWorkers workers;
+  WorldSpec spec = block(ball({3, 0, 6.1}, 6));
+  spec.loads = {kLift};
+  World world(spec, workers);
+  settle(world);
+  const uint64_t before = world.skin()->full_hash();
+  const Vec3 force_mN = world.skin()->collider_force_mN();
+  ASSERT_TRUE(world.apply(Incise{{{-12, 4}, {12, 5}}, 4}).done);
+  settle(world, 10);
+  EXPECT_NE(world.skin()->full_hash(), before);
+  ASSERT_TRUE(world.apply(Undo{}).done);
+  EXPECT_EQ(world.skin()->full_hash(), before);
+  StepSettings one;
+  one.max_iterations = 1;
+  world.step(one);
+  EXPECT_LT((world.skin()->collider_force_mN() - force_mN).norm(), 1e-2 * force_mN.norm());
+}
+
+TEST(Colliders, OpenInwardOrEndlessSurfacesAreRefusedWithTheirLine) {
+  const auto why = [](const std::string& text, double scale = 1) -> std::string {
+    ColliderSpec spec;
+    spec.path = "c.obj", spec.scale_to_mm = scale;
+    try {
+      parse_collider(text, spec);
+      return "";
+    } catch (const InputError& e) {
+      return e.what();
+    }
+  };
+  const std::string corners = "v 0 0 0\nv 3 0 0\nv 0 2 0\nv 0 0 1\n", three = "f 1 3 2\nf 1 2 4\nf 2 3 4\n";
+  EXPECT_EQ(why(corners + three + "f 3 1 4\n"), "");
+  EXPECT_EQ(why(corners + three + "f 3 1 4\nf 1 1 2\n").substr(0, 8), "c.obj:9:");
+  EXPECT_NE(why(corners + three).find("open at an edge"), std::string::npos);
+  EXPECT_NE(why(corners + three + "f 1 3 4\n").find("run the same way"), std::string::npos);
+  EXPECT_NE(why(corners + "f 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n").find("look outwards"), std::string::npos);
+  EXPECT_NE(why(corners + three + "f 3 1 4\n", 1000).find("at most 1000"), std::string::npos);
+  EXPECT_NE(why(corners).find("no faces"), std::string::npos);
+}
+
+}  // namespace test_collider_contacts
+}  // namespace limberg
