@@ -17,7 +17,7 @@ TEST_F(Cli, CasesAreListedOneALineAndTold) {
     EXPECT_NE(one.out.find("limberg run --case " + name), std::string::npos) << one.out;
     EXPECT_EQ(run("check " + kSource + "/app/lessons/" + name + ".toml").status, 0) << name;  // its plan lies on skin
   }
-  EXPECT_GE(n, 28);
+  EXPECT_GE(n, 30);
 }
 
 TEST_F(Cli, ThePageOfCasesHasEachWithItsPlan) {
@@ -53,4 +53,13 @@ TEST_F(Cli, AWedgeOfTheEarClosesAndMeetsItsLesson) {
   EXPECT_NE(o.out.find("closed along its whole edge"), std::string::npos) << o.out;
   EXPECT_EQ(o.out.find("not met"), std::string::npos) << o.out;
   EXPECT_EQ(o.out.find("tissue inside out"), std::string::npos) << o.out;
+}
+
+// Through skin, muscle and mucosa from a free margin: the lip lies before the teeth, and its edges meet.
+TEST_F(Cli, AWedgeOfTheLipClosesBeforeTheTeethAndMeetsItsLesson) {
+  const Outcome o = run("operate --case lip-wedge --json " + path("r.json"));
+  EXPECT_EQ(o.status, 0) << o.err;
+  EXPECT_NE(o.out.find("closed along its whole edge"), std::string::npos) << o.out;
+  EXPECT_EQ(o.out.find("not met"), std::string::npos) << o.out;
+  EXPECT_EQ(o.out.find("verdict     bad"), std::string::npos) << o.out;
 }
