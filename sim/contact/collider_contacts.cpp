@@ -17,6 +17,9 @@ namespace constant = contact_constants;
 // Tissue that lies farther away at rest comes to no collider: nothing that is sewn is drawn so far.
 constexpr double kReach_mm = 30;
 constexpr int kWholeProjections = 2, kMostSteps = 8;
+// A place is a mean of nodes: it moves about as far as the one that moves farthest. Weights of places beside their cell
+// lie a little below 0 and above 1.
+constexpr double kSpare = 0.5;
 
 struct Way {
   double depth_mm = -std::numeric_limits<double>::infinity();  // below 0 outside
@@ -85,8 +88,7 @@ ColliderContacts::ColliderContacts(std::shared_ptr<const Body> body, const Surfa
 void ColliderContacts::project(size_t i, const Vec3& x) {
   State& s = state_[i];
   const Way way = way_to(patch_, x, kReach_mm);
-  s.asked_mm = x;
-  s.far_mm = std::max(0.0, -way.depth_mm - constant::guard_mm);
+  s.due_mm = travelled_mm_ + kSpare * std::max(0.0, std::min(-way.depth_mm, kReach_mm) - constant::guard_mm);
   const bool held = s.holds;
   s.holds = way.depth_mm > -constant::guard_mm;
   if (!s.holds) return;
@@ -108,11 +110,20 @@ void ColliderContacts::project(size_t i, const Vec3& x) {
   ++h.projections;
 }
 
+double ColliderContacts::farthest_mm(std::span<const Vec3f> u) {
+  float most = 0;
+  for (size_t i = 0; i < u.size() && u.size() == u_.size(); ++i) most = std::max(most, (u[i] - u_[i]).squaredNorm());
+  u_.assign(u.begin(), u.end());
+  return std::sqrt(double(most));
+}
+
 bool ColliderContacts::follow(std::span<const Vec3f> u) {
   bool changed = resumed_;
   resumed_ = false;
+  travelled_mm_ += farthest_mm(u);
   for (size_t i = 0; i < place_.size(); ++i) {
     State& s = state_[i];
+    if (!s.holds && s.due_mm > travelled_mm_) continue;
     const Vec3 x = place_[i].X_mm + displacement(place_[i].embedded, u);
     if (s.holds) {
       const HeldByCollider& h = s.held;
@@ -120,8 +131,6 @@ bool ColliderContacts::follow(std::span<const Vec3f> u) {
       const Vec3 way = x - h.at_mm, slid = way - h.normal.dot(way) * h.normal;
       const bool still = h.projections > kMostSteps && (h.slid_mm + slid).norm() < constant::neighbourhood_mm;
       if (still || slid.norm() < constant::slide_mm + std::max(0.0, apart_mm)) continue;
-    } else if (s.far_mm >= 0 && (x - s.asked_mm).norm() < s.far_mm) {
-      continue;
     }
     const bool held = s.holds;
     project(i, x);

@@ -50,18 +50,20 @@ class ColliderContacts {
     double deep_mm = 0;  // how deep it lies in the collider at rest
   };
   struct State {
-    Vec3 asked_mm = Vec3::Zero();  // where it was when its way to the collider was last asked for
-    double far_mm = -1;            // that way then; below 0: not asked yet
+    double due_mm = -1;  // of travelled_mm_: until then it cannot have come within reach; below 0: not asked yet
     HeldByCollider held;
     bool holds = false;
   };
   void project(size_t i, const Vec3& x);
+  double farthest_mm(std::span<const Vec3f> u);  // that a node has moved since the last follow()
 
   std::shared_ptr<const Body> body_;
   std::vector<SidedPatch> patch_;  // per collider
   std::vector<Place> place_;
   std::vector<State> state_;
   std::vector<Contact> contacts_;
+  std::vector<Vec3f> u_;     // at the last follow()
+  double travelled_mm_ = 0;  // of the node that moved farthest from one follow() to the next, added up
   bool resumed_ = false;
 };
 
