@@ -18,9 +18,12 @@ namespace limberg {
 namespace {
 
 /// Files of that name which an import has not written are left alone.
-void check_own(const std::string& stem, bool replace) {
-  for (const char* ending : {".toml", ".obj", ".jsonl", ".html", ".json"}) {
-    const std::string file = stem + ending;
+void check_own(const std::string& stem, const Imported& x, bool replace) {
+  std::vector<std::string> files;
+  for (const char* ending : {".toml", ".obj", ".jsonl", ".html", ".json"}) files.push_back(stem + ending);
+  for (size_t i = 0; i < x.colliders.size(); ++i)
+    files.push_back((std::filesystem::path(stem).parent_path() / (collider_name(x, i) + ".obj")).string());
+  for (const std::string& file : files) {
     check_writable(file);
     if (std::error_code ec; !replace && std::filesystem::exists(file, ec))
       throw InputError(file, 0, "exists already; expected a new folder, or --replace");
@@ -31,11 +34,14 @@ int import(const ImportSettings& s, bool replace) {
   const Imported x = import_peer(s);
   prepare_folder(s.out);
   const std::string stem = (std::filesystem::path(s.out) / x.name).string();
-  check_own(stem, replace);
+  check_own(stem, x, replace);
   // What is written is read again as a user's would be: a surface that is no body is said here, in its own lines.
   const std::string script = script_text(x), scene_text = scene_toml(x);
   parse_script(script, stem + ".jsonl");
   write_whole_file(stem + ".obj", surface_obj(x));
+  for (size_t i = 0; i < x.colliders.size(); ++i)
+    write_whole_file((std::filesystem::path(s.out) / (collider_name(x, i) + ".obj")).string(),
+                     collider_obj(*x.colliders[i]));
   write_whole_file(stem + ".toml", scene_text);
   build_body(parse_scene(scene_text, stem + ".toml"));
   write_whole_file(stem + ".jsonl", script);

@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <numeric>
 
 #include "sim/base/error.h"
 #include "sim/base/quoted.h"
 #include "sim/base/whole_file.h"
+#include "sim/geometry/sided_patch.h"
 
 namespace limberg {
 namespace {
@@ -57,6 +59,47 @@ double largest_coordinate_span(const std::string& obj, const std::string& file, 
   return (m.high_mm - m.low_mm).maxCoeff();
 }
 
+/// Why tissue cannot be kept out of it, or nothing: much of it lies in there from the beginning. (The peer keeps named
+/// places out, and lets all others through.)
+std::string why_not_outside(const Collider& c, const TriMesh& tissue) {
+  constexpr double kDeep_mm = 1, kMost = 0.1;  // collider_contacts.h leaves what lies deeper where it is
+  std::vector<int32_t> all(c.mesh.tri.size());
+  std::iota(all.begin(), all.end(), 0);
+  const SidedPatch patch(c.mesh, all);
+  Vec3 low = c.mesh.X_mm[0], high = low;
+  for (const Vec3& X : c.mesh.X_mm) low = low.cwiseMin(X), high = high.cwiseMax(X);
+  size_t near = 0, deep = 0;
+  double deepest_mm = 0;
+  Bvh::Closest last;
+  for (const Vec3& X : tissue.X_mm) {
+    if ((X.array() < low.array()).any() || (X.array() > high.array()).any()) continue;
+    const double depth_mm = patch.depth_mm(X, last);
+    ++near, deep += depth_mm > kDeep_mm, deepest_mm = std::max(deepest_mm, depth_mm);
+  }
+  if (double(deep) <= kMost * double(near)) return {};
+  return fmt::format("{} places of the tissue's surface lie in it at rest, up to {:.1f} mm deep", deep, deepest_mm);
+}
+
+/// What cannot be used is left out, and said.
+void read_colliders(Imported& x, const std::vector<std::string>& folders) {
+  constexpr size_t kMost = 16;  // of a scene of ours
+  for (const std::string& name : x.scene.colliders) {
+    const std::string file = look_for(fs::path(name).filename().string(), folders);
+    std::string why = file.empty() ? "is not there" : x.colliders.size() == kMost ? "is one too many" : "";
+    if (why.empty()) try {
+        ColliderSpec spec;
+        spec.path = file, spec.scale_to_mm = x.unit_mm;
+        const auto collider = parse_collider(read_whole_file(file, kMostModel, "a collider"), spec);
+        why = why_not_outside(*collider, x.model.mesh);
+        if (why.empty()) x.colliders.push_back(collider);
+      } catch (const InputError& e) {
+        why = e.what();
+      }
+    if (!why.empty())
+      x.colliders_left_out.push_back("Nothing keeps tissue out of " + limberg::quoted(name, 200) + ": " + why + ".");
+  }
+}
+
 std::vector<std::string> missing_of(const Imported& x) {
   std::vector<std::string> out;
   const auto list = [](const std::vector<std::string>& names) {
@@ -64,8 +107,7 @@ std::vector<std::string> missing_of(const Imported& x) {
     for (const std::string& n : names) s += (s.empty() ? "" : ", ") + n;
     return s;
   };
-  if (!x.scene.colliders.empty())
-    out.push_back("Nothing keeps tissue out of what lies behind it: " + list(x.scene.colliders) + ".");
+  out.insert(out.end(), x.colliders_left_out.begin(), x.colliders_left_out.end());
   if (!x.scene.scenery.empty()) out.push_back("Scenery is not drawn: " + list(x.scene.scenery) + ".");
   if (!x.scene.volumes.empty())
     out.push_back("Volumes of other tissue are as soft as the rest: " + list(x.scene.volumes) + ".");
@@ -127,6 +169,7 @@ Imported import_peer(const ImportSettings& s) {
     x.unit_mm = largest_coordinate_span(obj, x.model_file, x.scene) < kSmall_units ? kSmall_mm : kLarge_mm;
   }
   x.model = parse_peer_model(obj, x.model_file, x.scene, bed ? &*bed : nullptr, x.bed_file, x.unit_mm);
+  read_colliders(x, folders);
   x.skin_mm = x.model.median_depth_mm();
   if (!(x.skin_mm > 0)) x.skin_mm = 2;
   CarrySettings c;

@@ -3,8 +3,10 @@
 // act:
 //
 //   NAME.toml, NAME.obj   the patient in mm; `limberg check` takes it, `limberg operate` runs it
+//   NAME-collider-1.obj   what tissue is kept out of, the teeth say, in mm; and so on
 //   NAME.jsonl            the operation
 //   NAME.html, NAME.json  what was carried, changed, refused, and how far places moved
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +14,7 @@
 #include "app/import/carried_acts.h"
 #include "app/import/peer_files.h"
 #include "app/import/peer_model.h"
+#include "sim/body/collider.h"
 
 namespace limberg {
 
@@ -28,7 +31,9 @@ struct Imported {
   std::string name, history_file, scene_file, model_file, bed_file;  // as found; empty: none
   PeerScene scene;
   PeerModel model;
+  std::vector<std::shared_ptr<const Collider>> colliders;  // in mm
   CarriedOperation operation;
+  std::vector<std::string> colliders_left_out;
   std::vector<std::string> mended, missing;  // let pass in the files; of the peer's scene what ours has not
   double unit_mm = 0, cell_mm = 0, region_mm = 0, skin_mm = 0, spacing_mm = 0, bite_mm = 0;
   bool unit_guessed = false;
@@ -41,6 +46,8 @@ Imported import_peer(const ImportSettings& settings);
 /// The files of it, as text.
 std::string scene_toml(const Imported& x);
 std::string surface_obj(const Imported& x);
+std::string collider_obj(const Collider& c);
+std::string collider_name(const Imported& x, size_t i);
 std::string script_text(const Imported& x);
 std::string import_page(const Imported& x);
 std::string import_json(const Imported& x);

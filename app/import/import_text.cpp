@@ -53,6 +53,8 @@ std::string scene_toml(const Imported& x) {
       direction(e2), direction(e1));
   for (const int material : std::set<int>(x.model.material.begin(), x.model.material.end()))
     t += fmt::format("\n[[body.tag]]\nmaterial = \"{}\"\nwhat = \"{}\"\n", material, what_of(material));
+  for (size_t i = 0; i < x.colliders.size(); ++i)
+    t += fmt::format("\n# {}\n[[collider]]\nmesh = \"{}.obj\"\n", file_name(x.colliders[i]->name), collider_name(x, i));
   t += fmt::format(
       "\n# As in our face.toml: skin 60 kPa, the soft tissue of a face taken together 15 kPa (Chabanas 2003). The\n"
       "# thickness is the median of the deep points.\n[[layer]]\nname = \"skin\"\nthickness_mm = {:.2f}\nyoung_kPa = "
@@ -92,6 +94,15 @@ std::string surface_obj(const Imported& x) {
     }
   }
   return t + faces;
+}
+
+std::string collider_name(const Imported& x, size_t i) { return fmt::format("{}-collider-{}", x.name, i + 1); }
+
+std::string collider_obj(const Collider& c) {
+  std::string t = fmt::format("# {} in mm\n", file_name(c.name));
+  for (const Vec3& v : c.mesh.X_mm) t += fmt::format("v {:.5f} {:.5f} {:.5f}\n", v.x(), v.y(), v.z());
+  for (const Tri& f : c.mesh.tri) t += fmt::format("f {} {} {}\n", f[0] + 1, f[1] + 1, f[2] + 1);
+  return t;
 }
 
 std::string script_text(const Imported& x) {

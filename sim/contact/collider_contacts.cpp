@@ -16,6 +16,8 @@ namespace constant = contact_constants;
 
 // Tissue that lies farther away at rest comes to no collider: nothing that is sewn is drawn so far.
 constexpr double kReach_mm = 30;
+// What lies deeper in it at rest belongs there: nothing says which way is out.
+constexpr double kWithin_mm = 1;
 constexpr int kWholeProjections = 2, kMostSteps = 8;
 // A place is a mean of nodes: it moves about as far as the one that moves farthest. Weights of places beside their cell
 // lie a little below 0 and above 1.
@@ -75,7 +77,7 @@ ColliderContacts::ColliderContacts(std::shared_ptr<const Body> body, const Surfa
   for (size_t v = 0; v < area.size(); ++v) {
     if (!(area[v] > 0)) continue;
     const Way way = way_to(patch_, view.X_mm[v], kReach_mm);
-    if (!(way.depth_mm > -kReach_mm)) continue;
+    if (!(way.depth_mm > -kReach_mm) || way.depth_mm > kWithin_mm) continue;
     const int32_t copy = view.cell_copy[v];
     const double young_kPa = 3 * model.stencils[size_t(model.cells[size_t(copy)].stencil)].mu_kPa;
     Place p{int32_t(v), embedding[v], view.X_mm[v], 0, std::max(0.0, way.depth_mm)};
