@@ -67,8 +67,8 @@ double Row::at(const std::string& name) const {
 }
 
 const std::vector<Family>& families() {
-  static const std::vector<Family> all{gape(),   stitches(), disc(),     zplasty(),      plate(),
-                                       planar(), rhomboid(), fusiform(), place_scripts()};
+  static const std::vector<Family> all{gape(),   stitches(), disc(),     zplasty(),     plate(),
+                                       planar(), rhomboid(), fusiform(), tissue_flap(), place_scripts()};
   return all;
 }
 

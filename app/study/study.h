@@ -63,6 +63,7 @@ struct Family {
   // the members that all its checks need, its own first; empty: its members by themselves
   std::vector<CheckPart> check = {};
   std::function<uint64_t(const Values&)> inputs = {};  // hash of the files that a member reads; empty: it reads none
+  std::vector<std::string> outcomes = {};              // figures that a sampled study is about; empty: all
 };
 
 Family gape();
