@@ -1,7 +1,7 @@
 #pragma once
-// Charts as SVG text: axes (linear or logarithmic), polylines, bars of ranges and shares, marked values, a legend. Nothing is
-// needed to show them but a browser. Colours are CSS variables (--ink, --grid, --s1 .. --s6) with fall-backs, so that
-// a page can give them its light and dark scheme.
+// Charts as SVG text: axes (linear or logarithmic), polylines, bars of ranges and shares, marked values, a legend.
+// Nothing is needed to show them but a browser. Colours are CSS variables (--ink, --grid, --s1 .. --s6) with
+// fall-backs, so that a page can give them its light and dark scheme.
 #include <optional>
 #include <string>
 #include <string_view>

@@ -88,8 +88,10 @@ html::Markup uncertainty(const ReportSource& source) {
   body += html::titled(
       "What was drawn: " + u.ranges,
       html::soft_paragraph(u.note) + html::table_of_words({"Parameter", "Distribution", "Where it comes from"}, rows) +
-          html::note((u.sample == "sobol" ? "Sobol's sequence" : "Latin hypercube") + std::string(", ") +
-                     number(double(u.base.value_or(0))) + " points, " + number(double(u.points.value_or(0))) +
+          html::note((u.sample == "sobol"   ? "Sobol's sequence"
+                      : u.sample == "latin" ? "Latin hypercube"
+                                            : u.sample) +
+                     ", " + number(double(u.base.value_or(0))) + " points, " + number(double(u.points.value_or(0))) +
                      " members in each case, seed " + number(double(u.seed.value_or(0))) + "."));
   return html::section("How sure it is", body);
 }
