@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 
+#include "app/report/parts.h"
 #include "app/study/sensitivity.h"
 #include "sim/base/error.h"
 
@@ -145,9 +146,9 @@ std::vector<NamedChart> spread_charts(const SampledStudy& study, const Family& f
   std::vector<NamedChart> out;
   for (const std::string& figure : outcomes_of(family, rows)) {
     NamedChart c;
-    c.name = "spread-" + figure, c.title = figure;
-    c.chart.description = "Share of the members below each value of " + figure;
-    c.chart.x.title = figure, c.chart.y.title = "members below, %";
+    c.name = "spread-" + figure, c.title = capital(spoken(figure));
+    c.chart.description = "Share of the members below each value: " + spoken(figure);
+    c.chart.x.title = spoken(figure), c.chart.y.title = "members below, %";
     c.chart.y.min = 0, c.chart.y.max = 100;
     c.chart.y_marks = {{5, "5 %"}, {50, "median"}, {95, "95 %"}};
     for (const SampledCase& one : study.cases) {

@@ -61,7 +61,7 @@ html::Markup case_of(const ResultCase& c, const std::string& of_whom) {
     if (!b.low || !b.median || !b.high) continue;
     cards.push_back(card_of(b, of_whom));
     rows.push_back({spoken(b.figure), html::quantity(b.median, "", 4), html::quantity(b.low, "", 4),
-                    html::quantity(b.high, "", 4), number(double(b.members.value_or(0)))});
+                    html::quantity(b.high, "", 4), std::to_string(b.members.value_or(0))});
     if (!b.shares.empty()) charts += chart_of_shares(b);
   }
   const html::Markup body =
@@ -91,8 +91,8 @@ html::Markup uncertainty(const ReportSource& source) {
           html::note((u.sample == "sobol"   ? "Sobol's sequence"
                       : u.sample == "latin" ? "Latin hypercube"
                                             : u.sample) +
-                     ", " + number(double(u.base.value_or(0))) + " points, " + number(double(u.points.value_or(0))) +
-                     " members in each case, seed " + number(double(u.seed.value_or(0))) + "."));
+                     ", " + std::to_string(u.base.value_or(0)) + " points, " + std::to_string(u.points.value_or(0)) +
+                     " members in each case, seed " + std::to_string(u.seed.value_or(0)) + "."));
   return html::section("How sure it is", body);
 }
 
