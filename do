@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The two commands of Limberg, and eleven for those who work on it.
+# The two commands of Limberg, and twelve for those who work on it.
 #   ./do demo [NAME]   build, then replay a shipped recording headless into out/demo (default: rhomboid)
 #   ./do test          check the format, build, run every test, and name what was skipped
 #   ./do build         build only; the binary is build/limberg
@@ -11,6 +11,7 @@
 #   ./do face          make the surface and the picture of the shipped face anew
 #   ./do headset       install what a headset needs (OpenXR), build with it, and test it against a runtime of our own
 #   ./do python        build Python's module into build-python/python, and test it
+#   ./do cluster       install Slurm, and test studies on a cluster of two nodes on this machine
 #   ./do format        clang-format over the tree
 set -euo pipefail
 cd "$(dirname "$0")"
@@ -182,8 +183,14 @@ case "${1:-help}" in
     cmake --build build-python --parallel "$(jobs)" --target limberg_python
     tests/python/run.sh build-python/python build/limberg
     ;;
+  cluster)  # nothing else needs these packages; limberg only calls sbatch, squeue and scontrol where they are
+    packages+=(slurmctld slurmd slurm-client munge iproute2 util-linux procps)
+    ensure_packages
+    build limberg
+    bash tests/slurm/study_on_cluster.sh build/limberg
+    ;;
   format)
     git ls-files '*.h' '*.cpp' | xargs clang-format -i
     ;;
-  *) sed -n '2,14s/^# \{0,1\}//p' "$0"; exit 2 ;;
+  *) sed -n '2,15s/^# \{0,1\}//p' "$0"; exit 2 ;;
 esac

@@ -21,6 +21,7 @@ endif()
 set(share ${CMAKE_INSTALL_DATADIR}/limberg)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/app/scenes ${PROJECT_SOURCE_DIR}/app/lessons DESTINATION ${share}/app COMPONENT data)
 install(FILES ${PROJECT_SOURCE_DIR}/app/scene/tissues.toml DESTINATION ${share}/app/scene COMPONENT data)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/app/study/ranges DESTINATION ${share}/app/study COMPONENT data)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/recordings DESTINATION ${share} COMPONENT data PATTERN pictures EXCLUDE)
 
 # The library. Headers keep their places: sim/patient/world.h is include/limberg/sim/patient/world.h.

@@ -2,29 +2,25 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <map>
 #include <optional>
-#include <set>
 #include <thread>
 
 #include "app/commands/numbers.h"
 #include "app/commands/session_command.h"
+#include "app/commands/study_parts.h"
 #include "app/commands/this_call.h"
-#include "app/pictures/pictures.h"
 #include "app/program/interrupt.h"
 #include "app/program/temporary_folder.h"
 #include "app/result/output.h"
 #include "app/result/progress.h"
 #include "app/result/run_result.h"
-#include "app/session/workers_pool.h"
-#include "app/study/member_file.h"
+#include "app/study/campaign.h"
 #include "app/study/processes.h"
-#include "app/study/study_result.h"
+#include "app/study/uncertainty.h"
 #include "sim/base/error.h"
 
 namespace limberg {
@@ -36,22 +32,36 @@ using study::Family;
 using study::Gathered;
 using study::Values;
 
-struct StudyOptions {
-  std::string name;
-  std::vector<std::string> settings, collect;
-  int jobs = 0;
-  bool check = false, list_jobs = false, member = false;
-  CommonOptions common;
-};
-
 std::string plain(double v) { return fmt::format("{:.6g}", v); }
 
-uint64_t inputs_of(const Family& f, const Values& v) { return f.inputs ? f.inputs(v) : 0; }
+constexpr double kSlurmLimit_s = 600;  // of a member, where none is given: a cluster wants to know
+
+std::optional<study::SampledStudy> sampled_of(const StudyOptions& o) {
+  if (o.sample.empty()) {
+    if (o.sensitivity) throw InputError("", 0, "--sensitivity is of a sample; expected --sample sobol N with it");
+    return std::nullopt;
+  }
+  if (o.check) throw InputError("", 0, "--sample and --check are two studies; expected one of them");
+  const bool sobol = o.sample[0] == "sobol";
+  if (!sobol && o.sample[0] != "latin")
+    throw InputError("", 0, "--sample " + o.sample[0] + ": no such way; expected sobol N or latin N");
+  const int64_t n = std::strtoll(o.sample[1].c_str(), nullptr, 10);
+  if (o.sample[1].find_first_not_of("0123456789") != std::string::npos || n < 2 || n > 50'000)
+    throw InputError("", 0, "--sample " + o.sample[0] + " " + o.sample[1] + ": expected a number from 2 to 50000");
+  const Family& family = study::find_family(o.name);
+  return study::sampled_study(family, o.settings, study::load_ranges(o.ranges, family),
+                              sobol ? study::SampleKind::sobol : study::SampleKind::latin, size_t(n), o.seed,
+                              o.sensitivity);
+}
 
 /// What is to be there: the family's own members and, with --check, those that its checks need beside them.
-std::vector<Gathered> wanted(const StudyOptions& o) {
+std::vector<Gathered> wanted(const StudyOptions& o, const std::optional<study::SampledStudy>& sampled) {
   const Family& own = study::find_family(o.name);
   std::vector<Gathered> parts;
+  if (sampled) {
+    parts.push_back({&own, sampled->members, {}, {}, {}});
+    return parts;
+  }
   if (!o.check || own.check.empty()) {
     parts.push_back({&own, study::members(own, o.settings), {}, {}, {}});
     return parts;
@@ -71,143 +81,31 @@ std::vector<Gathered> wanted(const StudyOptions& o) {
   return parts;
 }
 
-std::vector<std::string> member_call(const Family& f, const Values& v, int workers, const std::string& dir) {
-  std::vector<std::string> words{study::this_program(), "study", f.name};
-  for (size_t i = 0; i < v.size(); ++i) {
-    const std::string brief = fmt::format("{:g}", v[i]);  // where it means the same
-    const std::string t = "=" + (std::strtod(brief.c_str(), nullptr) == v[i] ? brief : fmt::format("{:.17g}", v[i]));
-    words.insert(words.end(), {"--set", f.parameters[i].name + t});
-  }
-  words.insert(words.end(), {"--member", "--workers", std::to_string(workers), "--out", dir});
-  return words;
-}
-
-std::string quoted(const std::string& word) {
-  if (word.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:") ==
-      std::string::npos)
-    return word;
-  std::string out = "'";
-  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
-}
-
-/// One member, here and now; leaves its file and picture. Whatever goes wrong with it is said in its file.
-int run_member(const StudyOptions& o) {
-  catch_interrupts();
-  const Family& f = study::find_family(o.name);
-  const std::vector<Values> members = study::members(f, o.settings);
-  if (members.size() != 1)
-    throw InputError("", 0,
-                     "--member: the settings name " + std::to_string(members.size()) + " members of study " + f.name +
-                         "; expected one value for each key");
-  if (o.common.out_dir.empty()) throw InputError("", 0, "--member needs --out DIR, where its file is left");
-  const Values& v = members[0];
-  prepare_folder(o.common.out_dir + "/members");
-  study::MemberResult m;
-  m.program = study::program_hash(), m.inputs = inputs_of(f, v);
-  WorkersPool workers(o.common.worker_count());
-  const auto start = std::chrono::steady_clock::now();
-  try {
-    m.row = f.run(v, {workers, interrupted});
-  } catch (const InputError& e) {
-    m.failure = e.what();
-  } catch (const std::bad_alloc&) {
-    m.failure = "not enough memory";
-  }
-  if (interrupted()) return kGoalMissed;
-  m.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (m.failure.empty() && m.row.shown && !m.row.title.empty())
-    draw_member_picture(study::member_file(o.common.out_dir, f, v, ".png"), m.row.title, *m.row.shown);
-  write_whole_file(study::member_file(o.common.out_dir, f, v, ".json"), study::member_text(f, v, m));
-  if (m.failure.empty()) return kDone;
-  say(study::member_name(f, v) + ": " + m.failure);
-  return kGoalMissed;
-}
-
-void print_row(const study::Row& r, bool head) {
-  if (head) {
-    for (const auto& [name, v] : r.figures) std::printf("%*s ", std::max(9, int(name.size())), name.c_str());
-    std::printf("\n");
-  }
-  for (const auto& [name, v] : r.figures) std::printf("%*s ", std::max(9, int(name.size())), plain(v).c_str());
-  std::printf("\n");
-  std::fflush(stdout);
-}
-
-/// Where the members' files are looked for and left.
-struct Places {
-  std::vector<std::string> look;  // --collect's, or the one folder of this study
-  std::string leave;
-};
-
-std::optional<study::MemberResult> found(const Places& at, const Family& f, const Values& v, std::string& dir) {
-  for (const std::string& d : at.look)
-    if (auto m = study::read_member(study::member_file(d, f, v, ".json"), f, v)) return dir = d, m;
-  return std::nullopt;
-}
-
-/// Reads what is there and lasts, prints what is new in the order of the members.
-class Gathering {
- public:
-  Gathering(std::vector<Gathered>& parts, const Places& at) : parts_(parts), at_(at) {}
-  /// `final`: also what lies behind members that are missing.
-  void look(bool final) {
-    for (; part_ < parts_.size(); ++part_, member_ = 0, head_ = true) {
-      Gathered& g = parts_[part_];
-      for (; member_ < g.members.size(); ++member_) {
-        const Key key{part_, member_};
-        const bool there = !missing_.contains(key), over = final || given_up_.contains(key);
-        if (!there && !over) return;
-        std::string dir;
-        const auto m = there ? found(at_, *g.family, g.members[member_], dir) : std::nullopt;
-        if (!m || !m->failure.empty()) {
-          const std::string why = m ? m->failure : reason_.contains(key) ? reason_.at(key) : "";
-          if (!why.empty()) g.failed.push_back({study::member_name(*g.family, g.members[member_]), why});
-          continue;
-        }
-        g.rows.push_back(m->row);
-        g.row_of.push_back(member_);
-        if (part_ == 0) pictures_.push_back(study::member_file(dir, *g.family, g.members[member_], ".png"));
-        print_row(g.rows.back(), head_);
-        head_ = false;
-      }
-    }
-  }
-  using Key = std::pair<size_t, size_t>;
-  std::set<Key> missing_;  // still to be made
-  std::set<Key> given_up_;
-  std::map<Key, std::string> reason_;
-  const std::vector<std::string>& pictures() const { return pictures_; }
-
- private:
-  std::vector<Gathered>& parts_;
-  const Places& at_;
-  std::vector<std::string> pictures_;
-  size_t part_ = 0, member_ = 0;
-  bool head_ = true;
-};
-
-std::string first_line(const std::string& file) {
-  std::error_code ec;
-  if (!fs::exists(file, ec)) return {};
-  const std::string text = read_whole_file(file, size_t(1) << 20);
-  return text.substr(0, text.find('\n'));
-}
-
 int list_jobs(const StudyOptions& o, const std::vector<Gathered>& parts) {
   if (o.common.out_dir.empty())
     throw InputError("", 0, "--list-jobs needs --out DIR, where the jobs leave their files");
   for (const Gathered& g : parts)
     for (const Values& v : g.members) {
       std::string line;
-      for (const std::string& w : member_call(*g.family, v, 1, o.common.out_dir))
-        line += (line.empty() ? "" : " ") + quoted(w);
+      for (const std::string& w : study::member_call({g.family, v}, o.common.out_dir, o.limits(1)))
+        line += (line.empty() ? "" : " ") + study::quoted(w);
       std::printf("%s\n", line.c_str());
     }
   return kDone;
 }
 
-int finish(const StudyOptions& o, const std::vector<Gathered>& parts, const std::vector<std::string>& pictures) {
+void print_bands(const ResultUncertainty& u) {
+  for (const ResultCase& c : u.cases) {
+    std::printf("%s%-24s %10s %10s %10s   for %s\n", c.setting.empty() ? "" : (c.setting + "\n").c_str(), "figure",
+                "median", "5 % below", "95 %", u.ranges.c_str());
+    for (const ResultBand& b : c.figures)
+      std::printf("%-24s %10.4g %10.4g %10.4g\n", b.figure.c_str(), b.median.value_or(NAN), b.low.value_or(NAN),
+                  b.high.value_or(NAN));
+  }
+}
+
+int finish(const StudyOptions& o, const std::vector<Gathered>& parts, const std::vector<std::string>& pictures,
+           const std::optional<study::SampledStudy>& sampled) {
   size_t members = 0, done = 0;
   for (const Gathered& g : parts) members += g.members.size(), done += g.rows.size();
   if (done == 0) {
@@ -218,8 +116,9 @@ int finish(const StudyOptions& o, const std::vector<Gathered>& parts, const std:
   }
   const auto bars = study::bars_of(parts);
   if (!o.common.out_dir.empty())
-    study::leave_files(parts, o.common.out_dir), study::leave_pictures(parts[0], pictures, o.common.out_dir);
-  Result result = study::result_of(parts, bars);
+    study::leave_files(parts, o.common.out_dir, sampled), study::leave_pictures(parts[0], pictures, o.common.out_dir);
+  Result result = study::result_of(parts, bars, sampled);
+  if (sampled) print_bands(study::uncertainty_of(*sampled, *parts[0].family, parts[0].rows, parts[0].row_of));
   write_fields(result, "", made_by(this_call()));
   leave_result(result, o.common);
   bool ok = true;
@@ -241,9 +140,9 @@ int finish(const StudyOptions& o, const std::vector<Gathered>& parts, const std:
 }
 
 /// Results that were made elsewhere, and nothing else.
-int collect(const StudyOptions& o, std::vector<Gathered> parts) {
+int collect(const StudyOptions& o, std::vector<Gathered> parts, const std::optional<study::SampledStudy>& sampled) {
   o.common.prepare();
-  if (o.settings.empty() && !o.check) {  // whatever is there
+  if (o.settings.empty() && !o.check && !sampled) {  // whatever is there
     std::vector<Values>& all = parts[0].members;
     all.clear();
     for (const std::string& dir : o.collect)
@@ -265,31 +164,28 @@ int collect(const StudyOptions& o, std::vector<Gathered> parts) {
           throw InputError(file, 0,
                            "was made by another program than " + program->second + "; expected members of one program");
       }
-  const Places at{o.collect, o.common.out_dir};
-  Gathering gathering(parts, at);
+  const MemberPlaces at{o.collect, o.common.out_dir};
+  Gathering gathering(parts, at, !sampled);
   gathering.look(true);
-  return finish(o, parts, gathering.pictures());
+  return finish(o, parts, gathering.pictures(), sampled);
 }
 
-int run_study(const StudyOptions& o) {
-  catch_interrupts();
-  if (o.member) return run_member(o);
-  std::vector<Gathered> parts = wanted(o);
-  if (o.list_jobs) return list_jobs(o, parts);
-  if (!o.collect.empty()) return collect(o, std::move(parts));
-  o.common.prepare();
-  std::optional<TemporaryFolder> temporary;
-  if (o.common.out_dir.empty()) temporary.emplace("--out DIR");
-  const std::string dir = temporary ? temporary->path().string() : o.common.out_dir;
-  prepare_folder(dir + "/members");
-  const Places at{{dir}, dir};
-  Gathering gathering(parts, at);
-
-  const int at_once = o.jobs > 0 ? o.jobs : std::max(1, int(std::thread::hardware_concurrency()));
+std::unique_ptr<study::Engine> engine_of(const StudyOptions& o, const std::string& dir) {
+  const int cores = std::max(1, int(std::thread::hardware_concurrency()));
+  if (o.engine == "slurm") {
+    StudyOptions with = o;
+    if (with.limit_s == 0) with.limit_s = kSlurmLimit_s;
+    const int workers = o.common.workers > 0 ? o.common.workers : 1;
+    return study::slurm_engine(dir, with.limits(workers), {o.name, o.jobs, o.per_task, o.sbatch});
+  }
+  const int at_once = o.jobs > 0 ? o.jobs : cores;
   const int workers = o.common.workers > 0 ? o.common.workers : at_once > 1 ? 1 : o.common.worker_count();
-  std::vector<study::Process> processes;
-  std::vector<Gathering::Key> key;
-  size_t kept = 0;
+  return study::local_engine(dir, o.limits(workers), at_once);
+}
+
+/// Those that are not there, or not of this program and these inputs; what is in their place is taken away.
+std::vector<Gathering::Key> missing_members(const std::vector<Gathered>& parts, const std::string& dir) {
+  std::vector<Gathering::Key> out;
   for (size_t p = 0; p < parts.size(); ++p)
     for (size_t i = 0; i < parts[p].members.size(); ++i) {
       const Family& f = *parts[p].family;
@@ -301,50 +197,72 @@ int run_study(const StudyOptions& o) {
       } catch (const InputError& e) {
         say(std::string(e.what()) + "; it is made again");
       }
-      if (m && m->failure.empty() && m->program == study::program_hash() && m->inputs == inputs_of(f, v)) {
-        ++kept;
-        continue;
-      }
+      if (m && m->failure.empty() && m->program == study::program_hash() && m->inputs == inputs_of(f, v)) continue;
       std::error_code ignored;
       fs::remove(file, ignored);
       fs::remove(study::member_file(dir, f, v, ".png"), ignored);
-      gathering.missing_.insert({p, i});
-      key.push_back({p, i});
-      processes.push_back({member_call(f, v, workers, dir), study::member_file(dir, f, v, ".log")});
-      if (!o.common.simd.empty())
-        processes.back().arguments.insert(processes.back().arguments.end(), {"--simd", o.common.simd});
+      out.push_back({p, i});
     }
-  if (kept) say(std::to_string(kept) + " members are there already");
+  return out;
+}
+
+/// Runs them; how far it is goes to the terminal, and a line every ten seconds into DIR/progress.log.
+void run_missing(const StudyOptions& o, const std::string& dir, const std::vector<Gathered>& parts,
+                 Gathering& gathering) {
+  const std::vector<Gathering::Key> keys = missing_members(parts, dir);
+  size_t members = 0;
+  for (const Gathered& g : parts) members += g.members.size();
+  if (keys.size() < members) say(std::to_string(members - keys.size()) + " members are there already");
+  gathering.missing.insert(keys.begin(), keys.end());
   gathering.look(false);
-  {
-    Progress progress("study " + o.name);
-    size_t done = 0;
-    const auto show = [&](size_t running) {
-      progress.show(double(done), double(processes.size()),
-                    ("members, " + std::to_string(running) + " running").c_str());
-    };
-    study::run_processes(processes, at_once, interrupted, show, [&](size_t i, int status) {
-      ++done;
-      const std::string said = first_line(processes[i].log_file);
-      if (status == kDone)
-        gathering.missing_.erase(key[i]);
-      else
-        gathering.given_up_.insert(key[i]);
-      if (status != kDone && status != -1 && !interrupted())
-        gathering.reason_[key[i]] = !said.empty()    ? said
-                                    : status >= 1000 ? "ended by signal " + std::to_string(status - 1000)
-                                                     : "exit status " + std::to_string(status);
-      if (status == -1 && !interrupted()) gathering.reason_[key[i]] = "could not be started";
-      if (status == kDone && said.empty()) {
-        std::error_code ignored;
-        fs::remove(processes[i].log_file, ignored);
-      }
-      progress.clear();
-      gathering.look(false);
-    });
-  }
+  if (keys.empty()) return;
+  std::vector<study::Job> jobs;
+  for (const auto& [p, i] : keys) jobs.push_back({parts[p].family, parts[p].members[i]});
+
+  const auto engine = engine_of(o, dir);
+  Progress progress("study " + o.name);
+  study::CampaignLog log(dir + "/progress.log", "study " + o.name);
+  study::CampaignSettings set;
+  set.dir = dir, set.retries = o.retries, set.interrupted = interrupted;
+  set.show = [&](const study::Counts& c) {
+    progress.note(in_words(c));
+    log.note(in_words(c));
+  };
+  set.ended = [&](size_t job, bool done, const std::string& why) {
+    if (done) {
+      gathering.missing.erase(keys[job]);
+    } else {
+      gathering.given_up.insert(keys[job]);
+      gathering.reason[keys[job]] = why;
+    }
+    progress.clear();
+    gathering.look(false);
+  };
+  const study::Counts counts = study::run_campaign(jobs, *engine, set);
+  log.end(in_words(counts) + fmt::format(", {} lost and {} cut short on the way, {:.0f} s", counts.lost,
+                                         counts.cut_short, counts.seconds));
+}
+
+int run_study(const StudyOptions& o) {
+  catch_interrupts();
+  if (!o.task.empty()) return run_task(o);
+  if (o.member) return run_member(o);
+  const std::optional<study::SampledStudy> sampled = sampled_of(o);
+  std::vector<Gathered> parts = wanted(o, sampled);
+  if (o.list_jobs) return list_jobs(o, parts);
+  if (!o.collect.empty()) return collect(o, std::move(parts), sampled);
+  if (o.engine == "slurm" && o.common.out_dir.empty())
+    throw InputError("", 0, "--engine slurm needs --out DIR, in a folder that all nodes see");
+  o.common.prepare();
+  std::optional<TemporaryFolder> temporary;
+  if (o.common.out_dir.empty()) temporary.emplace("--out DIR");
+  const std::string dir = temporary ? temporary->path().string() : o.common.out_dir;
+  prepare_folder(dir + "/members");
+  const MemberPlaces at{{dir}, dir};
+  Gathering gathering(parts, at, !sampled);
+  run_missing(o, dir, parts, gathering);
   gathering.look(true);
-  return finish(o, parts, gathering.pictures());
+  return finish(o, parts, gathering.pictures(), sampled);
 }
 
 std::string footer() {
@@ -363,9 +281,14 @@ std::string footer() {
          "Leaves rows.csv, charts as SVG, result.json and report.html in DIR, and members/, from which the same call "
          "goes on where it\n"
          "was stopped: a member is run again only when the program, its files or its settings have changed.\n"
-         "On other machines: limberg study NAME --list-jobs --out DIR | parallel     (or one line for each task of a "
-         "Slurm array),\n"
+         "On a cluster: --engine slurm (docs/cluster.md). On other machines: limberg study NAME --list-jobs --out DIR "
+         "| "
+         "parallel,\n"
          "then limberg study NAME --collect DIR --out DIR.\n"
+         "What is not known of a tissue: --sample sobol 128 --sensitivity --ranges facial-skin gives each figure a "
+         "band "
+         "that nine in\n"
+         "ten members lie in, and each parameter's share of the variance.\n"
          "Exit status 3: a bar is missed, or a member failed.\n"
          "Example: limberg study gape --set angle_deg=90,45 --set prestretch_percent=5,10,20 --out out/gape";
 }
@@ -382,7 +305,8 @@ void add_study(CLI::App& app, Chosen& chosen) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   c->add_flag("--check", o->check,
               "The members that all checks of the study need, its controls too; each check with its figure");
-  c->add_option("--jobs", o->jobs, "Members at a time, each a process (default: as many as cores)")
+  c->add_option("--jobs", o->jobs,
+                "Members at a time, each a process (default: as many as cores); slurm: tasks at a time")
       ->type_name("N")
       ->check(whole_from(1, 1024));
   c->add_flag("--list-jobs", o->list_jobs,
@@ -393,6 +317,34 @@ void add_study(CLI::App& app, Chosen& chosen) {
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   c->add_flag("--member", o->member, "Run one member and leave its file in DIR/members (what --list-jobs prints)");
+  c->add_option("--engine", o->engine, "Where members run: local, or slurm: tasks of a Slurm array")
+      ->check(CLI::IsMember({"local", "slurm"}));
+  c->add_option("--limit", o->limit_s, "Seconds that a member may take; then it has failed (slurm: 600 by itself)")
+      ->type_name("S")
+      ->check(number_from(0, 1e6));
+  c->add_option("--memory", o->memory_MB, "MB that a member may take")->type_name("MB")->check(whole_from(16, 1 << 24));
+  c->add_option("--retries", o->retries, "So often a member is tried again that was cut short or lost (2)")
+      ->type_name("N")
+      ->check(whole_from(0, 100));
+  c->add_option("--per-task", o->per_task,
+                "Slurm: members of a task, one after the other (so that tasks are about 100)")
+      ->type_name("N")
+      ->check(whole_from(1, 100000));
+  c->add_option("--sbatch", o->sbatch,
+                "Slurm: an option for sbatch, --sbatch=--partition=short; may be given several times")
+      ->type_name("OPTION")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  c->add_option("--task", o->task,
+                "Run the members of a task's file and leave their files in DIR/members (what slurm calls)")
+      ->type_name("FILE");
+  c->add_option("--sample", o->sample, "Members drawn from --ranges instead of all combinations: sobol N or latin N")
+      ->type_name("KIND N")
+      ->expected(2);
+  c->add_option("--ranges", o->ranges, "What is drawn: shipped ranges, or a TOML file (default facial-skin)");
+  c->add_option("--seed", o->seed, "Of the sample (1)")->check(whole_from(0, 1000000000));
+  c->add_flag("--sensitivity", o->sensitivity,
+              "N (parameters + 2) members, and each parameter's share of the variance");
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
   c->footer(footer());
   c->callback([o, &chosen] { chosen = [o] { return run_study(*o); }; });

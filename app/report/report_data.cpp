@@ -42,6 +42,7 @@ void read_study(const Json& j, ReportData& d) {
   read(member(j, "study"), d.study);
   read(member(j, "about"), d.about);
   read(member(j, "columns"), d.study_columns);
+  read(member(j, "uncertainty"), d.uncertainty);
   if (const Json& rows = member(j, "rows"); rows.is_array())
     for (const Json& r : rows) {
       auto& row = d.study_rows.emplace_back();

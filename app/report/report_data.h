@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "app/result/run_result.h"
+#include "app/result/uncertainty_result.h"
 
 namespace limberg {
 
@@ -31,6 +32,7 @@ struct ReportData : ResultOrigin, ResultRun {
   std::string study, about;
   std::vector<std::string> study_columns;
   std::vector<std::vector<Maybe>> study_rows;  // as the columns
+  ResultUncertainty uncertainty;               // of a sampled study
   std::vector<Bar> bars;
   std::vector<ResultVerdict> verdict;  // bad lines first, as it was written
   std::vector<ResultChart> charts;

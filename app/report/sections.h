@@ -5,6 +5,7 @@
 #include "app/report/parts.h"
 
 #define LIMBERG_REPORT_SECTIONS(X)                             \
+  X(uncertainty) /* of a sampled study: bands and shares */    \
   X(study)       /* a family's charts, bars and rows */        \
   X(story)       /* the operation, stage by stage */           \
   X(gallery)     /* more pictures, before and after */         \

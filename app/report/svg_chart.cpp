@@ -290,4 +290,39 @@ std::string svg(const RangeChart& c) {
   return s + "</svg>";
 }
 
+std::string svg(const ShareChart& c) {
+  const double left = 170, right = c.width - 27.0, top = 36, pitch = 40, bottom = top + pitch * double(c.rows.size());
+  Range r;
+  r.add(0, false);
+  for (const ShareRow& row : c.rows)
+    for (const ShareBar& b : {row.first, row.second})
+      for (const double v : {b.value, b.low, b.high}) r.add(v, false);
+  const Scale x = make_scale(c.x, r, left, right);
+  std::string s = open(c.width, int(bottom) + 48, c.description);
+  s += x_axis(x, c.x, top, bottom);
+  double at = left;
+  for (const bool second : {false, true}) {
+    const std::string& words = second ? c.second : c.first;
+    s += line(at, kLegendTop, at + 22, kLegendTop, "stroke=\"" + colour(second) + "\" stroke-width=\"9\"");
+    s += text(at + 28, kLegendTop + 4.5, "start", words);
+    at += 44 + kLetter * double(words.size());
+  }
+  for (size_t k = 0; k < c.rows.size(); ++k) {
+    const ShareRow& row = c.rows[k];
+    const double middle = top + pitch * (double(k) + 0.5);
+    s += text(left - 10, middle + 4.5, "end", row.name);
+    for (const bool second : {false, true}) {
+      const ShareBar& b = second ? row.second : row.first;
+      if (!x.can(b.value) || !x.can(b.low) || !x.can(b.high)) continue;
+      const double y = middle + (second ? 8 : -8);
+      s += line(x.at(0), y, x.at(b.value), y, "stroke=\"" + colour(second) + "\" stroke-width=\"11\"");
+      const std::string thin = "stroke=\"var(--ink,#222)\" stroke-width=\"1.5\"";
+      s += line(x.at(b.low), y, x.at(b.high), y, thin);
+      for (const double end : {b.low, b.high}) s += line(x.at(end), y - 4, x.at(end), y + 4, thin);
+    }
+  }
+  s += line(x.at(0), top, x.at(0), bottom, "stroke=\"var(--ink,#222)\" stroke-width=\"1\"");
+  return s + "</svg>";
+}
+
 }  // namespace limberg

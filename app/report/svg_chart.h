@@ -1,7 +1,7 @@
 #pragma once
-// Charts as SVG text: axes (linear or logarithmic), polylines, bars of ranges, marked values, a legend. Nothing is
-// needed to show them but a browser. Colours are CSS variables (--ink, --grid, --s1 .. --s6) with fall-backs, so that
-// a page can give them its light and dark scheme.
+// Charts as SVG text: axes (linear or logarithmic), polylines, bars of ranges and shares, marked values, a legend.
+// Nothing is needed to show them but a browser. Colours are CSS variables (--ink, --grid, --s1 .. --s6) with
+// fall-backs, so that a page can give them its light and dark scheme.
 #include <optional>
 #include <string>
 #include <string_view>
@@ -51,7 +51,24 @@ struct RangeChart {
   int width = 760;
 };
 
+/// A row of shares of a whole: two bars from 0, each with the interval that it is known to.
+struct ShareBar {
+  double value = 0, low = 0, high = 0;
+};
+struct ShareRow {
+  std::string name;
+  ShareBar first, second;
+};
+
+struct ShareChart {
+  std::string description, first, second;  // what the bars are
+  ChartAxis x;
+  std::vector<ShareRow> rows;
+  int width = 760;
+};
+
 std::string svg(const LineChart& chart);
+std::string svg(const ShareChart& chart);
 std::string svg(const RangeChart& chart);
 
 /// For a file of its own: on white, the fall-backs in place of the variables, which drawing programs do not know.

@@ -70,6 +70,13 @@ uint64_t program_hash() {
   return hash;
 }
 
+std::string first_line_of(const std::string& file) {
+  std::error_code ec;
+  if (!fs::is_regular_file(file, ec)) return {};
+  const std::string text = read_whole_file(file, size_t(1) << 20);
+  return text.substr(0, text.find('\n'));
+}
+
 std::string member_text(const Family& f, const Values& v, const MemberResult& r) {
   Json j;
   j["limberg"] = {{"version", version()}, {"commit", commit()}};
@@ -78,6 +85,7 @@ std::string member_text(const Family& f, const Values& v, const MemberResult& r)
   j["program"] = hex(r.program), j["inputs"] = hex(r.inputs), j["seconds"] = r.seconds;
   if (!r.failure.empty()) {
     j["failure"] = r.failure;
+    if (r.cut_short) j["cut_short"] = true;
     return j.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
   }
   j["figures"] = Json::array();
@@ -103,6 +111,7 @@ std::optional<MemberResult> read_member(const std::string& file, const Family& f
     r.seconds = j.at("seconds").get<double>();
     if (j.contains("failure")) {
       r.failure = j["failure"].get<std::string>();
+      r.cut_short = j.value("cut_short", false);
       return r;
     }
     for (const Json& x : j.at("figures")) r.row.figures.emplace_back(x.at(0).get<std::string>(), number(x.at(1)));

@@ -18,14 +18,18 @@ std::string member_name(const Family& family, const Values& values);
 std::string member_file(const std::string& dir, const Family& family, const Values& values, const char* ending);
 
 struct MemberResult {
-  Row row;              // without what is pictured
-  std::string failure;  // why there is no row; empty: it is done
-  double seconds = 0;   // wall time
+  Row row;                 // without what is pictured
+  std::string failure;     // why there is no row; empty: it is done
+  bool cut_short = false;  // failed by a limit or a signal, not in its own words: it may be tried again
+  double seconds = 0;      // wall time
   uint64_t program = 0, inputs = 0;
 };
 
 /// Hash of the running program's file. InputError when it cannot be read.
 uint64_t program_hash();
+
+/// The first line of a log; empty when there is none.
+std::string first_line_of(const std::string& file);
 
 std::string member_text(const Family& family, const Values& values, const MemberResult& result);
 /// InputError when the file is there but no member of a study, or one of other values.

@@ -67,8 +67,8 @@ double Row::at(const std::string& name) const {
 }
 
 const std::vector<Family>& families() {
-  static const std::vector<Family> all{gape(),   stitches(), disc(),     zplasty(),      plate(),
-                                       planar(), rhomboid(), fusiform(), place_scripts()};
+  static const std::vector<Family> all{gape(),   stitches(), disc(),     zplasty(),     plate(),
+                                       planar(), rhomboid(), fusiform(), tissue_flap(), place_scripts()};
   return all;
 }
 
@@ -107,8 +107,10 @@ std::vector<Values> members(const Family& family, const std::vector<std::string>
   size_t count = 1;
   for (const auto& v : values) {
     count *= v.size();
-    if (count > 1000)
-      throw InputError("", 0, "study " + family.name + ": more than 1000 members; expected fewer values");
+    if (count > kMostMembers)
+      throw InputError(
+          "", 0,
+          "study " + family.name + ": more than " + std::to_string(kMostMembers) + " members; expected fewer values");
   }
   std::vector<Values> out;
   for (size_t m = 0; m < count; ++m) {

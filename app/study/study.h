@@ -63,6 +63,7 @@ struct Family {
   // the members that all its checks need, its own first; empty: its members by themselves
   std::vector<CheckPart> check = {};
   std::function<uint64_t(const Values&)> inputs = {};  // hash of the files that a member reads; empty: it reads none
+  std::vector<std::string> outcomes = {};              // figures that a sampled study is about; empty: all
 };
 
 Family gape();
@@ -72,12 +73,15 @@ const std::vector<Family>& families();
 /// InputError that lists the families when there is none of this name.
 const Family& find_family(const std::string& name);
 
+/// Of one study; a file for each lies in one folder.
+inline constexpr size_t kMostMembers = 20'000;
+
 /// The parameter that a key of --set means, empty when there is none.
 std::string parameter_named(const Family& family, const std::string& key);
 
 /// Applies "key=v1,v2,..." settings and lists the members; a key may leave its unit off (cell for cell_mm). InputError
 /// on an unknown or repeated key, no or broken numbers, values
-/// out of range, or more than 1000 members.
+/// out of range, or more than kMostMembers.
 std::vector<Values> members(const Family& family, const std::vector<std::string>& settings);
 
 Bar at_most(std::string name, double value, double bar, std::string source);

@@ -32,6 +32,14 @@ void fields(ResultStudy& x, auto&& f) {
 
 }  // namespace
 
+namespace {
+
+std::vector<NamedChart> charts_of(const Gathered& part, const std::optional<SampledStudy>& sampled) {
+  return sampled ? spread_charts(*sampled, *part.family, part.rows, part.row_of) : part.family->charts(part.rows);
+}
+
+}  // namespace
+
 std::vector<Bar> bars_of(const std::vector<Gathered>& parts) {
   std::vector<Bar> out;
   for (size_t i = 0; i < parts.size(); ++i) {
@@ -44,7 +52,8 @@ std::vector<Bar> bars_of(const std::vector<Gathered>& parts) {
   return out;
 }
 
-Result result_of(const std::vector<Gathered>& parts, const std::vector<Bar>& bars) {
+Result result_of(const std::vector<Gathered>& parts, const std::vector<Bar>& bars,
+                 const std::optional<SampledStudy>& sampled) {
   const Gathered& g = parts[0];
   Result r("study", "");
   size_t members = 0, done = 0;
@@ -69,6 +78,7 @@ Result result_of(const std::vector<Gathered>& parts, const std::vector<Bar>& bar
       stage.name = title, stage.picture = report_names::stage_picture(int(i) + 1, title);
       append(r, "/stages", stage);
     }
+  if (sampled) write_fields(r, "/uncertainty", uncertainty_of(*sampled, *g.family, g.rows, g.row_of));
   r.set_empty_list("/bars");
   for (const Bar& b : bars) {
     append(r, "/bars", b);
@@ -76,19 +86,20 @@ Result result_of(const std::vector<Gathered>& parts, const std::vector<Bar>& bar
   }
   for (const Gathered& part : parts) {
     if (part.rows.empty()) continue;
-    for (const NamedChart& c : part.family->charts(part.rows))
+    for (const NamedChart& c : charts_of(part, sampled))
       add_chart(r, (&part == &g ? "" : part.family->name + ": ") + c.title, c.chart);
   }
   r.set_ok(ok);
   return r;
 }
 
-void leave_files(const std::vector<Gathered>& parts, const std::string& dir) {
+void leave_files(const std::vector<Gathered>& parts, const std::string& dir,
+                 const std::optional<SampledStudy>& sampled) {
   for (const Gathered& p : parts) {
     if (p.rows.empty()) continue;
     const std::string prefix = &p == &parts[0] ? "" : p.family->name;
     write_whole_file(dir + "/" + (prefix.empty() ? "rows" : prefix) + ".csv", csv(p.rows));
-    for (const NamedChart& c : p.family->charts(p.rows))
+    for (const NamedChart& c : charts_of(p, sampled))
       write_whole_file(dir + "/" + (prefix.empty() ? "" : prefix + "-") + c.name + ".svg",
                        in_plain_colours(svg(c.chart)));
   }

@@ -7,11 +7,13 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
 
 #include "app/program/places.h"
 #include "app/study/member_file.h"
 #include "app/study/processes.h"
+#include "app/study/task_file.h"
 #include "sim/base/error.h"
 
 namespace limberg::study {
@@ -160,7 +162,83 @@ TEST_F(Jobs, AJobListRunsElsewhereAndIsCollected) {
   EXPECT_NE(slurp(".err").find("another program"), std::string::npos);
 }
 
+TEST_F(Jobs, AProcessThatTakesTooLongIsEnded) {
+  ProcessPool pool(2);
+  pool.add(7, {{"sleep", "600"}, path("log"), {}, 0.1});
+  pool.add(8, {{"sh", "-c", "echo $0 out; echo err >&2"}, path("log8"), path("out8"), 60});
+  std::map<size_t, int> status;
+  while (!pool.idle()) pool.turn([&](size_t name, int s) { status[name] = s; });
+  EXPECT_EQ(status, (std::map<size_t, int>{{7, kOverLimit}, {8, 0}}));
+  EXPECT_EQ(slurp("out8"), "sh out\n");
+  EXPECT_EQ(ask_program({"/no/such/program"}).status, kNotRun);
+  const Answer a = ask_program({"sh", "-c", "echo 1; echo 2 >&2; exit 3"});
+  EXPECT_EQ(a.status, 3);
+  EXPECT_EQ(a.output + a.words, "1\n2\n");
+}
+
+// A member that hangs, or takes more memory than it may, is one that failed, in words; the others are done.
+TEST_F(Jobs, LimitsMakeFailedMembersOfSlowAndLargeOnes) {
+  EXPECT_EQ(limberg(small_ + "--limit 0.001 --retries 1 --out " + path("slow")), 3);
+  EXPECT_NE(slurp(".err").find("took longer than 0.001 s"), std::string::npos) << slurp(".err");
+  EXPECT_NE(slurp("slow/progress.log").find("0 of 2 done, 0 running, 2 failed, 2 tried again"), std::string::npos)
+      << slurp("slow/progress.log");
+  EXPECT_EQ(
+      limberg("study disc --set along=1.1 --set across=1.05 --set cell_mm=2.5 --memory 16 --out " + path("large")), 3);
+  EXPECT_NE(slurp(".err").find("memory"), std::string::npos) << slurp(".err");
+}
+
+TEST_F(Jobs, ATaskRunsTheMembersThatAreMissing) {
+  const std::vector<Values> all = members(disc_, {"along=1.1,1.2", "across=1.05", "cell_mm=6", "radius_mm=6"});
+  write("task", task_text({{&disc_, all[0]}, {&disc_, all[1]}}));
+  const std::string call = "study disc --task " + path("task") + " --out " + path("o");
+  ASSERT_EQ(limberg(call), 0) << slurp(".err");
+  EXPECT_NE(slurp(".err").find("2 of 2 members to be run"), std::string::npos);
+  const std::string file = member_file(path("o"), disc_, all[1], ".json");
+  const auto before = fs::last_write_time(member_file(path("o"), disc_, all[0], ".json"));
+  fs::remove(file);
+  ASSERT_EQ(limberg(call), 0);
+  EXPECT_NE(slurp(".err").find("1 of 2 members to be run"), std::string::npos);
+  EXPECT_TRUE(fs::exists(file));
+  EXPECT_EQ(fs::last_write_time(member_file(path("o"), disc_, all[0], ".json")), before);
+  ASSERT_EQ(limberg(small_ + "--out " + path("o")), 0);  // and the study has them
+  EXPECT_NE(slurp(".err").find("2 members are there already"), std::string::npos);
+}
+
+TEST_F(Jobs, ASampleGivesBandsAndIsTheSameAgain) {
+  write("r.toml",
+        "name = \"rubber\"\nstudy = \"disc\"\n[[parameter]]\nname = \"along\"\ndistribution = \"uniform\"\n"
+        "low = 1.1\nhigh = 1.3\nsource = \"a test\"\n");
+  const std::string call = "study disc --set across=1.05 --set cell_mm=6 --set radius_mm=6 --sample latin 6 --ranges " +
+                           path("r.toml") + " --out ";
+  ASSERT_EQ(limberg(call + path("o")), 0) << slurp(".err");
+  EXPECT_NE(slurp(".out").find("for rubber"), std::string::npos) << slurp(".out");
+  EXPECT_NE(slurp("o/result.json").find("\"uncertainty\""), std::string::npos);
+  EXPECT_NE(slurp("o/report.html").find("for rubber"), std::string::npos);
+  const std::string rows = slurp("o/rows.csv");
+  EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 7);
+  ASSERT_EQ(limberg(call + path("o") + " --jobs 1"), 0);
+  EXPECT_NE(slurp(".err").find("6 members are there already"), std::string::npos);
+  EXPECT_EQ(slurp("o/rows.csv"), rows);
+}
+
+TEST_F(Jobs, WithoutSlurmTheEngineSaysSo) {
+  const std::string path_before = std::getenv("PATH");
+  ::setenv("PATH", dir_.c_str(), 1);  // the call to limberg is an absolute one, by /bin/sh
+  EXPECT_EQ(limberg(small_ + "--engine slurm --out " + path("o")), 2);
+  ::setenv("PATH", path_before.c_str(), 1);
+  EXPECT_NE(slurp(".err").find("there is no sbatch"), std::string::npos) << slurp(".err");
+}
+
 TEST_F(Jobs, BadCallsAreRefused) {
+  EXPECT_EQ(limberg(small_ + "--engine cloud"), 2);
+  EXPECT_EQ(limberg(small_ + "--engine slurm"), 2);  // where to?
+  EXPECT_EQ(limberg(small_ + "--task " + path("none") + " --out " + path("o")), 2);
+  EXPECT_EQ(limberg("study tissue --sample halton 8"), 2);
+  EXPECT_EQ(limberg("study tissue --sample sobol 1"), 2);
+  EXPECT_EQ(limberg("study tissue --sample sobol x"), 2);
+  EXPECT_EQ(limberg("study tissue --sensitivity"), 2);
+  EXPECT_EQ(limberg("study disc --sample sobol 8"), 2);  // the shipped ranges are of another study
+  EXPECT_EQ(limberg("study tissue --sample sobol 8 --ranges " + path("none")), 2);
   EXPECT_EQ(limberg(small_ + "--member --out " + path("o")), 2);  // two members
   EXPECT_EQ(limberg(small_ + "--set across=1.05 --list-jobs"), 2);
   EXPECT_EQ(limberg("study disc --list-jobs"), 2);  // where to?

@@ -24,6 +24,9 @@
 #include "app/scene/scene.h"
 #include "app/scene/tissues.h"
 #include "app/study/member_file.h"
+#include "app/study/ranges.h"
+#include "app/study/slurm_words.h"
+#include "app/study/task_file.h"
 #include "calibration/calibration.h"
 #include "calibration/points_file.h"
 #include "sim/base/error.h"
@@ -228,6 +231,37 @@ Entry member_entry(const Folder& folder) {
                     });
 }
 
+/// What a cluster is given to run, and what Slurm says of it.
+void add_cluster_entries(std::vector<Entry>& all, const Folder& folder) {
+  const study::Family& disc = study::find_family("disc");
+  std::vector<study::Job> jobs;
+  for (const study::Values& v : study::members(disc, {"along=1.1,1.2"})) jobs.push_back({&disc, v});
+  all.push_back(path_entry("task", folder, "task", {"app/study/task_file.cpp"}, {study::task_text(jobs)},
+                           [](const std::string& path) -> std::string {
+                             for (const study::Job& job : study::read_task(path))
+                               if (!job.family || job.values.size() != job.family->parameters.size())
+                                 return "a member without all its values";
+                             return "";
+                           }));
+  all.push_back(text_entry("ranges", {"app/study/ranges.cpp"}, {shipped("app/study/ranges/facial-skin.toml")},
+                           [](const std::string& text) -> std::string {
+                             const study::Family& family = study::find_family("tissue");
+                             for (const study::Distribution& d : study::parse_ranges(text, kNamed, family).parameters)
+                               if (!(d.quantile(0.2) <= d.quantile(0.8))) return "a distribution that falls";
+                             return "";
+                           }));
+  all.push_back(
+      text_entry("slurm", {"app/study/slurm_words.cpp"},
+                 {"R|None\nPD|Resources\nPD|JobHeldAdmin\n", "MaxArraySize            = 1001\n", "12;cluster\n"},
+                 [](const std::string& text) -> std::string {
+                   const study::Queue q = study::read_queue(text);
+                   if (q.running + q.waiting > text.size()) return "more tasks than lines";
+                   if (study::read_job(text).find_first_not_of("0123456789") != std::string::npos)
+                     return "a job without number";
+                   return study::read_max_array(text) > 0 ? "" : "arrays of no size";
+                 }));
+}
+
 Entry window_memory_entry(const Folder& folder) {
   return path_entry(
       "window_memory", folder, "window.toml", {"app/assembly/desk_memory.cpp"},
@@ -316,6 +350,7 @@ std::vector<Entry> text_entries(const Folder& folder) {
   add_room_entries(all);
   all.push_back(convergence_entry(folder));
   all.push_back(member_entry(folder));
+  add_cluster_entries(all, folder);
   all.push_back(trials_entry());
   all.push_back(text_entry("points", {"calibration/points_file.cpp", "app/commands/calibrate.cpp"},
                            {"# touched\n0 0 1\n1,2;3 # corner\n\n-4e1 5 6\n"},

@@ -12,13 +12,18 @@ html::Markup study(const ReportSource& source) {
   for (const ResultChart& c : d.charts) body += chart_of(c);
   body += bars_of(d);
   std::vector<html::Row> rows;
+  constexpr size_t kMostRows = 200;  // a page of thousands opens slowly, and nobody reads them there
   for (const auto& row : d.study_rows) {
+    if (rows.size() == kMostRows) break;
     html::Row cells;
     for (const Maybe& v : row) cells.push_back(html::quantity(v, "", 4));
     rows.push_back(cells);
   }
-  return html::section("What it came to",
-                       body + html::table(html::Row(d.study_columns.begin(), d.study_columns.end()), rows));
+  body += html::table(html::Row(d.study_columns.begin(), d.study_columns.end()), rows);
+  if (rows.size() < d.study_rows.size())
+    body += html::note("These are " + std::to_string(rows.size()) + " of " + std::to_string(d.study_rows.size()) +
+                       " members; rows.csv and result.json have all.");
+  return html::section("What it came to", body);
 }
 
 }  // namespace limberg::sections

@@ -24,6 +24,10 @@ const char* const kEverything = R"({
 "limberg": {"version": "v", "commit": "c"}, "command": "study", "scene": "s", "scene_title": "t", "scene_note": "n",
 "machine": {"cpu": "p", "cores": 2}, "ok": true, "mode": "m", "duration_s": 60.5, "state_hash": "h", "parts": ["a", "b"],
 "memory_mb": 300, "reproduce": "r", "damage": {"missing": "d"}, "study": "u", "about": "a", "columns": ["x", "y"],
+"uncertainty": {"ranges": "an", "note": "ao", "sample": "sobol", "base": 8, "seed": 1, "points": 64,
+  "sampled": [{"parameter": "ap", "distribution": "aq", "source": "ar"}],
+  "cases": [{"setting": "as", "figures": [{"figure": "at", "low": 1.2, "median": 1.9, "high": 3.1, "members": 16,
+    "shares": [{"parameter": "au", "first": 0.5, "first_low": 0.4, "first_high": 0.6, "total": 0.7}]}]}]},
 "rows": [{"x": 1, "y": 2}], "bars": [{"name": "b", "value": 1, "bar": 2, "pass": true, "source": "q"}],
 "device": {"ticks": 60500, "late_ticks": 3, "events_lost": 0, "wake_us": {"p50": 20, "p99": 80, "max": 5000}},
 "solver": {"steps": 3630, "residual": 3.2e-5, "distance_mm": 0.0123}, "render": {"frames": 900}, "solve_ms": 4,
@@ -94,6 +98,31 @@ TEST(Pages, EveryTextOfAResultStaysText) {
   EXPECT_EQ(missing, "");
 }
 
+TEST(Pages, SayBetweenWhatAFigureLies) {
+  Json j = Json::parse(kEverything);
+  Json& band = j["uncertainty"]["cases"][0]["figures"][0];
+  band["figure"] = "closure_force_N", j["uncertainty"]["ranges"] = "facial skin";
+  const auto page = [&] { return report_html(j.dump(), "nowhere"); };
+  EXPECT_NE(page().find("1.9\u202fN"), std::string::npos);
+  EXPECT_NE(page().find("1.2 to 3.1 for facial skin"), std::string::npos);
+  EXPECT_NE(page().find("Closure force: what makes it differ"), std::string::npos);
+  band.erase("shares");
+  EXPECT_EQ(page().find("what makes it differ"), std::string::npos);
+  EXPECT_EQ(page().find("bootstrap"), std::string::npos);
+  band.erase("median");  // no member was done
+  EXPECT_EQ(page().find("for facial skin"), std::string::npos);
+  EXPECT_EQ(xml_fault(page()), "");
+}
+
+TEST(Pages, LeaveTheRowsOfALargeStudyToItsTable) {
+  Json j = Json::parse(kEverything);
+  for (int i = 0; i < 300; ++i) j["rows"].push_back({{"x", 1000 + i}, {"y", 2}});
+  const std::string page = report_html(j.dump(), "nowhere");
+  EXPECT_NE(page.find("1198"), std::string::npos);
+  EXPECT_EQ(page.find("1250"), std::string::npos);
+  EXPECT_NE(page.find("200 of 301 members"), std::string::npos);
+}
+
 TEST(Pages, HaveOneSkeleton) {
   const auto skeleton = [](const std::string& page) {
     return page.substr(0, page.find("<title>")) +
@@ -110,8 +139,8 @@ TEST(Pages, SectionsStandInTheOrderOfTheirTable) {
   const std::string page = report_html(kEverything, "nowhere");
   size_t at = 0;
   for (const char* title :
-       {"What it came to", "The members, each at rest", "Sutures", "The closure", "Lesson: ae", "Does it add up?",
-        "Finer cells", "Three lanes", "How close", "All figures", "The script", "Make it again"}) {
+       {"How sure it is", "What it came to", "The members, each at rest", "Sutures", "The closure", "Lesson: ae",
+        "Does it add up?", "Finer cells", "Three lanes", "How close", "All figures", "The script", "Make it again"}) {
     const size_t here = page.find("<h2>" + std::string(title), at);
     ASSERT_NE(here, std::string::npos) << title;
     at = here;
