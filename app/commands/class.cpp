@@ -424,7 +424,7 @@ void add_class(CLI::App& app, Chosen& chosen) {
   c->add_option("--key", o->key, "Write which pseudonym is which file into this table; keep it apart from the page")
       ->type_name("FILE");
   c->add_flag("--anew", o->anew, "Measure again what was measured already");
-  o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
+  o->common.add_out(*c), o->common.add_words(*c), o->common.add_json(*c), o->common.add_workers(*c);
   c->footer(
       "Exit status 3: something in the folder could not be used, or the call was interrupted; the same call goes on.\n"
       "Example: limberg class my-class --lesson rhomboid --out out/class");

@@ -393,7 +393,7 @@ void add_study(CLI::App& app, Chosen& chosen) {
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   c->add_flag("--member", o->member, "Run one member and leave its file in DIR/members (what --list-jobs prints)");
-  o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
+  o->common.add_out(*c), o->common.add_words(*c), o->common.add_json(*c), o->common.add_workers(*c);
   c->footer(footer());
   c->callback([o, &chosen] { chosen = [o] { return run_study(*o); }; });
 }

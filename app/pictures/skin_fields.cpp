@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/words/words.h"
 #include "render/overlay.h"
 #include "sim/body/skin.h"
 #include "sim/measure/perfusion.h"
@@ -12,14 +13,17 @@ namespace limberg {
 
 const SkinFieldLook& look_of(SkinField field) {
   static constexpr SkinFieldLook kLooks[kSkinFields] = {
-      {"Skin", "", ""},
-      {"Tension: stretch", "Skin stretch", "% of length", ColourScale::magnitude, 1},
-      {"Least stretch", "Least stretch (below 0: folds)", "% of length", ColourScale::signed_value, 1},
-      {"Change of area", "Skin area, change", "% of before", ColourScale::signed_value, 1},
-      {"Stress", "Skin stress", "kPa", ColourScale::magnitude, 1},
-      {"Height: dog-ears", "Height over the skin before", "mm", ColourScale::signed_value, 0.5},
-      {"Displacement", "Displacement", "mm", ColourScale::magnitude, 1},
-      {"Perfusion risk", "Perfusion index (dark: at risk)", "1: attached", ColourScale::magnitude, 1}};
+      {english("Skin"), "english(", ")english("},
+      {")Tension: stretchenglish(", ")Skin stretchenglish(", ")% of lengthenglish(", ColourScale::magnitude, 1},
+      {")Least stretchenglish(", ")Least stretch (below 0: folds)english(", ")% of lengthenglish(",
+       ColourScale::signed_value, 1},
+      {")Change of areaenglish(", ")Skin area, changeenglish(", ")% of beforeenglish(", ColourScale::signed_value, 1},
+      {")Stressenglish(", ")Skin stressenglish(", ")kPaenglish(", ColourScale::magnitude, 1},
+      {")Height: dog-earsenglish(", ")Height over the skin beforeenglish(", ")mmenglish(", ColourScale::signed_value,
+       0.5},
+      {")Displacementenglish(", ")Displacementenglish(", ")mmenglish(", ColourScale::magnitude, 1},
+      {")Perfusion riskenglish(", ")Perfusion index (dark: at risk)english(", ")1: attached", ColourScale::magnitude,
+       1}};
   return kLooks[size_t(field) < size_t(kSkinFields) ? size_t(field) : 0];
 }
 

@@ -101,9 +101,10 @@ void read_balance(const Json& j, ReportData& d) {
 
 }  // namespace
 
-ReportData read_report_data(const std::string& text, const std::string& file) {
+ReportData read_report_data(const std::string& text, const std::string& file, const Words& words_of_page) {
   const Json j = parse(text, file);
   ReportData d;
+  d.w = words_of_page;
   read(j, static_cast<ResultOrigin&>(d));
   if (const Json& program = member(j, "limberg"); program.is_string()) d.limberg.version = words(program);
   read(j, static_cast<ResultRun&>(d));

@@ -25,6 +25,12 @@ struct WordTable;
 /// it is found by whoever lists the texts (./do words, tests/app/words).
 constexpr const char* english(const char* text) { return text; }
 
+/// The same of one and of several.
+struct EnglishCount {
+  const char *one, *many;
+};
+constexpr EnglishCount english_counted(const char* one, const char* many) { return {one, many}; }
+
 class Words {
  public:
   Words() = default;  // English

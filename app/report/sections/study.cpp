@@ -8,8 +8,8 @@ html::Markup study(const ReportSource& source) {
   const ReportData& d = source.d;
   if (d.study_columns.empty() || d.study_rows.empty()) return {};
   html::Markup body;
-  if (!d.about.empty()) body += html::paragraph(d.about);
-  for (const ResultChart& c : d.charts) body += chart_of(c);
+  if (!d.about.empty()) body += html::paragraph(d.w.said(d.about));
+  for (const ResultChart& c : d.charts) body += chart_of(c, d.w);
   body += bars_of(d);
   std::vector<html::Row> rows;
   for (const auto& row : d.study_rows) {
@@ -17,7 +17,7 @@ html::Markup study(const ReportSource& source) {
     for (const Maybe& v : row) cells.push_back(html::quantity(v, "", 4));
     rows.push_back(cells);
   }
-  return html::section("What it came to",
+  return html::section(d.w("What it came to"),
                        body + html::table(html::Row(d.study_columns.begin(), d.study_columns.end()), rows));
 }
 
