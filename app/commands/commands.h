@@ -43,6 +43,7 @@ void add_measures(CLI::App& app, Chosen& chosen);
 void add_actions(CLI::App& app, Chosen& chosen);
 void add_class(CLI::App& app, Chosen& chosen);
 void add_rooms(CLI::App& app, Chosen& chosen);
+void add_words(CLI::App& app, Chosen& chosen);
 
 /// Options that several commands share.
 struct CommonOptions {

@@ -71,24 +71,24 @@ void DeskLesson::steps(const Coach& c, const char* title, float height, bool sho
   if (button(w, "Try again", half) && !showing) again = true;
 }
 
-float DeskLesson::next_step(const Coach& c, float x, float y, float w, float most, std::vector<FrameRect>& covered) {
+float DeskLesson::next_step(const Coach& c, float x, float y, float width, float most, std::vector<FrameRect>& covered) {
   const CoachSays& says = c.says();
-  const Words& words = c.plan().w;
+  const Words& w = c.plan().w;
   if (c.mode() != LessonMode::guided || c.plan().steps.empty()) return y;
   ImGui::SetNextWindowPos({x + 6, y + 6});
-  ImGui::SetNextWindowSizeConstraints({w - 12, 0}, {w - 12, most});
+  ImGui::SetNextWindowSizeConstraints({width - 12, 0}, {width - 12, most});
   ImGui::SetNextWindowBgAlpha(0.82f);
   ImGui::Begin("next step", nullptr, kPanel | ImGuiWindowFlags_AlwaysAutoResize);
-  ImGui::PushTextWrapPos(w - 26);
+  ImGui::PushTextWrapPos(width - 26);
   if (says.finished) {
-    text(ink::good(), words("All steps are done. J shows how it went."));
+    text(ink::good(), w("All steps are done. J shows how it went."));
   } else {
     const TeachingStep& t = c.plan().steps[says.step];
-    text(ink::quiet(), words("Step {} of {}", says.step + 1, c.plan().steps.size()));
+    text(ink::quiet(), w("Step {} of {}", says.step + 1, c.plan().steps.size()));
     ImGui::SameLine();
     text(ink::plain(), t.name);
     if (says.question) {
-      text(words("Before you go on:"));
+      text(w("Before you go on:"));
       ImGui::SameLine();
       ImGui::TextWrapped("%s", says.question->ask.c_str());
       for (size_t i = 0; i < says.question->answers.size(); ++i) {
@@ -98,14 +98,14 @@ float DeskLesson::next_step(const Coach& c, float x, float y, float w, float mos
         ImGui::TextWrapped("%s", says.question->answers[i].c_str());
         ImGui::PopID();
       }
-      text(ink::quiet(), words("Then: {}", says.say));
+      text(ink::quiet(), w("Then: {}", says.say));
     } else {
       if (!says.answer.empty()) ImGui::TextColored(ink::good(), "%s", says.answer.c_str());
       ImGui::TextUnformatted(says.say.c_str());
-      if (!says.why.empty()) text(ink::quiet(), words("Why: {}", says.why));
-      if (t.acts > 1 && says.act != says.say) text(ink::plain(), words("Now: {}.", says.act));
+      if (!says.why.empty()) text(ink::quiet(), w("Why: {}", says.why));
+      if (t.acts > 1 && says.act != says.say) text(ink::plain(), w("Now: {}.", says.act));
       if (!says.limit.empty()) ImGui::TextColored(ink::quiet(), "%s", says.limit.c_str());
-      if (!says.hint.empty()) text(ink::hint(), words("Hint: {}", says.hint));
+      if (!says.hint.empty()) text(ink::hint(), w("Hint: {}", says.hint));
     }
   }
   ImGui::PopTextWrapPos();

@@ -179,7 +179,7 @@ std::vector<MarkedText> marked_texts(std::string_view raw, const std::string& fi
     const std::string name = source.substr(begin, i - begin);
     MarkedText t{file, "", "", ""};
     Literals at(source, i + 1);
-    if (name == "english" || name == "w" || name == "words") {
+    if (name == "english" || name == "w") {
       if (!at.text(t.text)) continue;
     } else if (name == "english_counted") {
       if (!at.text(t.text) || !at.take(',') || !at.text(t.many)) continue;
