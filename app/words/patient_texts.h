@@ -18,6 +18,8 @@ inline constexpr const char* kPatientTexts[] = {
     english("hook {} carried and left there"),
     english("hook {} released"),
     english("stitch"),
+    english("stitch {}"),
+    english("stitches {}"),
     english("buried stitch"),
     english("row of sutures every {} mm"),
     english("running suture every {} mm"),

@@ -170,7 +170,8 @@ TEST_F(DeskTest, TheHelpCoversThePatientWhereItIsSeen) {
 TEST_F(DeskTest, EveryToolHasItsKeyItsRowInThePaletteAndItsWordInTheHelp) {
   Window w;
   std::string help;
-  for (const DeskKey& k : desk_keys()) help += k.what + "\n";
+  for (const DeskKey& k : desk_keys())
+    help += std::string(k.hand == HandKey::tool ? tools_in_words({}) : k.what) + "\n";
   std::vector<ControlSample> by_key;
   for (const DeskTool& t : kDeskTools) {
     std::string name = t.name;
