@@ -13,17 +13,17 @@ namespace limberg {
 
 const SkinFieldLook& look_of(SkinField field) {
   static constexpr SkinFieldLook kLooks[kSkinFields] = {
-      {english("Skin"), "english(", ")english("},
-      {")Tension: stretchenglish(", ")Skin stretchenglish(", ")% of lengthenglish(", ColourScale::magnitude, 1},
-      {")Least stretchenglish(", ")Least stretch (below 0: folds)english(", ")% of lengthenglish(",
+      {english("Skin"), "", ""},
+      {english("Tension: stretch"), english("Skin stretch"), english("% of length"), ColourScale::magnitude, 1},
+      {english("Least stretch"), english("Least stretch (below 0: folds)"), english("% of length"),
        ColourScale::signed_value, 1},
-      {")Change of areaenglish(", ")Skin area, changeenglish(", ")% of beforeenglish(", ColourScale::signed_value, 1},
-      {")Stressenglish(", ")Skin stressenglish(", ")kPaenglish(", ColourScale::magnitude, 1},
-      {")Height: dog-earsenglish(", ")Height over the skin beforeenglish(", ")mmenglish(", ColourScale::signed_value,
+      {english("Change of area"), english("Skin area, change"), english("% of before"), ColourScale::signed_value, 1},
+      {english("Stress"), english("Skin stress"), english("kPa"), ColourScale::magnitude, 1},
+      {english("Height: dog-ears"), english("Height over the skin before"), english("mm"), ColourScale::signed_value,
        0.5},
-      {")Displacementenglish(", ")Displacementenglish(", ")mmenglish(", ColourScale::magnitude, 1},
-      {")Perfusion riskenglish(", ")Perfusion index (dark: at risk)english(", ")1: attached", ColourScale::magnitude,
-       1}};
+      {english("Displacement"), english("Displacement"), english("mm"), ColourScale::magnitude, 1},
+      {english("Perfusion risk"), english("Perfusion index (dark: at risk)"), english("1: attached"),
+       ColourScale::magnitude, 1}};
   return kLooks[size_t(field) < size_t(kSkinFields) ? size_t(field) : 0];
 }
 

@@ -151,6 +151,7 @@ void add_tables(std::vector<MarkedText>& all) {
     if (m.limits) all.push_back({"sim/measure/table.h", "", m.limits->source, ""});
   }
   all.push_back({"sim/measure/table.h", "", kSutureGap_mm.source, ""});
+  for (const ActionLine& a : action_lines()) all.push_back({"sim/commands/table.h", "", a.name, ""});
   for (const char* action : {"incise", "undermine", "excise", "suture", "suture_row", "suture_corner"})
     for (const ActionField& f : action_fields(action))
       for (const char* key : {"depth_mm", "angle_deg", "spacing_mm"})
