@@ -82,7 +82,7 @@ void Desk::patient(const DeskReading& r, const FrameRect& at) {
     if (ImGui::BeginTable("sutures", 3, ImGuiTableFlags_RowBg | ImGuiTableFlags_ScrollY,
                           {0, std::min(0.25f * height, 26.0f + 21.0f * float(s.sutures.size()))})) {
       ImGui::TableSetupScrollFreeze(0, 1);
-      ImGui::TableSetupColumn(w("no."));
+      ImGui::TableSetupColumn(w("no."), ImGuiTableColumnFlags_WidthFixed, 34);
       ImGui::TableSetupColumn(w("force N"));
       ImGui::TableSetupColumn(w("gap mm"));
       ImGui::TableHeadersRow();

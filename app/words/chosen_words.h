@@ -1,5 +1,5 @@
 #pragma once
-// Whose language the program speaks, and its table: app/words/LANGUAGE.po among what is shipped, or a file of one's own.
+// Whose language the program speaks, and its table: app/words/LANGUAGE.po among what is shipped, or one's own file.
 //
 // The first of these that says something:
 //

@@ -1,6 +1,6 @@
 #pragma once
-// What the patient and the acts on it say (sim/commands/words.h, reasons of refusals): texts that sim/ makes in English,
-// with their figures, and that Words::said() finds again by these forms. A test holds them against every act
+// What the patient and the acts on it say (sim/commands/words.h, reasons of refusals): texts that sim/ makes in
+// English, with their figures, and that Words::said() finds again by these forms. A test holds them against every act
 // (tests/app/words/test_texts.cpp). A reason that is not here stays English.
 #include "app/words/words.h"
 

@@ -11,8 +11,8 @@
 //
 // The entry of the empty text is the head: "Language: de\n", "Plural-Forms: ...\n". It is UTF-8.
 //
-// Not gettext's own reader: libintl wants a compiled table, a locale that the machine has installed, and is global to the
-// program; libgettextpo ends the program where a file is broken.
+// Not gettext's own reader: libintl wants a compiled table, a locale that the machine has installed, and is global to
+// the program; libgettextpo ends the program where a file is broken.
 #include <string>
 #include <string_view>
 #include <vector>

@@ -4,7 +4,7 @@
 //
 //   const Words w;                                           // English
 //   w("Try again")
-//   w("{:.1f} mm beside the line{}", mm, where)              // checked by the compiler; numbers as the language has them
+//   w("{:.1f} mm beside the line{}", mm, where)              // checked by the compiler, numbers by the language
 //   w.counted(n, "{} stitch", "{} stitches", n)              // the right form, in either language
 //   w.as("tool", "Hook")                                     // where one English word has two meanings
 //   w.said(line_of_a_result)                                 // an English text that is finished, with its figures

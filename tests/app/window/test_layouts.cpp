@@ -171,8 +171,7 @@ TEST_F(Lessons, EveryScreenIsInsideAtEverySize) {
   }
 }
 
-/// Of a line in the tools, settings and buttons of the panels on both sides: whether it is cut off by its panel. Words that
-/// wrap are not: ImGui's content is then no wider than the panel.
+/// Panels on both sides whose words are cut off: of those that wrap ImGui's content is no wider than the panel.
 std::string cut_off() {
   std::string all;
   for (const ImGuiWindow* w : ImGui::GetCurrentContext()->Windows) {

@@ -1,6 +1,6 @@
 #pragma once
-// All texts of the program that are shown in another language: those that the code marks (english, w(...), counted, as),
-// and those of its data (lessons, measures, acts).
+// All texts of the program that are shown in another language: those that the code marks (english, w(...), counted,
+// as), and those of its data (lessons, measures, acts).
 #include <string>
 #include <string_view>
 #include <vector>
