@@ -332,6 +332,7 @@ int run_class(const ClassOptions& o) {
   page.lesson = against.lesson ? &*against.lesson : nullptr;
   page.pseudonyms = !o.names;
   page.reproduce = this_call();
+  page.w = o.common.words();
   page.plan = make_lesson_plan(page.lesson, against.script);
   Measuring measuring(o, against, students.size() + (expert ? 1 : 0));
   size_t number = 0, measured_ones = 0;

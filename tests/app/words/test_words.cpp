@@ -69,6 +69,8 @@ TEST(Words, SayFinishedTexts) {
   EXPECT_EQ(w.said("not done: stitch 3 is there."), "nicht getan: Naht 3 ist da.") << "a text within a text";
   EXPECT_EQ(w.said("gapes by wide mm"), "gapes by wide mm") << "a place for a number takes no word";
   EXPECT_EQ(w.said("version 1.2.3 at 5.5 N"), "version 1.2.3 at 5,5 N");
+  EXPECT_EQ(w.said("12 deep"), "12 TIEF");
+  EXPECT_EQ(w.said("knee deep"), "knee deep") << "a form with hardly a letter of its own takes figures alone";
   EXPECT_EQ(w.said(""), "");
 }
 
