@@ -71,7 +71,8 @@ void DeskLesson::steps(const Coach& c, const char* title, float height, bool sho
   if (button(w, "Try again", half) && !showing) again = true;
 }
 
-float DeskLesson::next_step(const Coach& c, float x, float y, float width, float most, std::vector<FrameRect>& covered) {
+float DeskLesson::next_step(const Coach& c, float x, float y, float width, float most,
+                            std::vector<FrameRect>& covered) {
   const CoachSays& says = c.says();
   const Words& w = c.plan().w;
   if (c.mode() != LessonMode::guided || c.plan().steps.empty()) return y;

@@ -81,7 +81,7 @@ std::optional<std::string> by_pattern(const WordTable& table, std::string_view t
     if (!fits(p.english, 0, text, found)) continue;
     // A form with hardly a word of its own ("{} of {}") is one of figures alone.
     constexpr size_t kFewLetters = 6;
-    const auto figures = [](std::string_view s) { return s.find_first_not_of("0123456789., ") == s.npos; };
+    const auto figures = [](std::string_view s) { return s.find_first_not_of("0123456789., +-") == s.npos; };
     if (p.letters < kFewLetters && !std::all_of(found.begin(), found.end(), figures)) continue;
     const WordTable::Entry& e = *table.find(p.key);
     std::vector<std::string> value(found.size());
