@@ -12,6 +12,7 @@
 #   ./do headset       install what a headset needs (OpenXR), build with it, and test it against a runtime of our own
 #   ./do python        build Python's module into build-python/python, and test it
 #   ./do cluster       install Slurm, and test studies on a cluster of two nodes on this machine
+#   ./do words         list the texts anew for translations, and merge them into the tables of app/words
 #   ./do format        clang-format over the tree
 set -euo pipefail
 cd "$(dirname "$0")"
@@ -163,6 +164,12 @@ case "${1:-help}" in
   figures)
     build limberg_figures
     build/limberg_figures docs/figures docs/figures.md "${@:2}"
+    ;;
+  words)  # the tables keep what they have; new texts are empty, or guessed and marked fuzzy
+    packages+=(gettext)
+    build test_words
+    LIMBERG_WRITE_TEXTS=1 build/tests/test_words --gtest_filter=Texts.TheListIsThatOfCodeAndData
+    for table in app/words/*.po; do msgmerge --update --backup=none --no-wrap --quiet "$table" app/words/limberg.pot; done
     ;;
   face)  # what app/scenes/face.toml operates on
     build limberg_face_surface

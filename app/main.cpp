@@ -56,6 +56,7 @@ int run_main(int argc, char** argv) {
   add_design(app, chosen);
   add_class(app, chosen);
   add_rooms(app, chosen);
+  add_words(app, chosen);
   std::vector<std::string> words(argv + 1, argv + argc);
   if (!words.empty() && words.front() == "bench") return run_bench_beside({words.begin() + 1, words.end()});
   if (words.size() > 1 && words[0] == "help" && words[1] == "bench") return run_bench_beside({"--help"});

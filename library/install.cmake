@@ -20,6 +20,8 @@ endif()
 # What is shipped.
 set(share ${CMAKE_INSTALL_DATADIR}/limberg)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/app/scenes ${PROJECT_SOURCE_DIR}/app/lessons DESTINATION ${share}/app COMPONENT data)
+file(GLOB tables_of_words CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/app/words/*.po ${PROJECT_SOURCE_DIR}/app/words/*.pot)
+install(FILES ${tables_of_words} DESTINATION ${share}/app/words COMPONENT data)
 install(FILES ${PROJECT_SOURCE_DIR}/app/scene/tissues.toml DESTINATION ${share}/app/scene COMPONENT data)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/app/study/ranges DESTINATION ${share}/app/study COMPONENT data)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/recordings DESTINATION ${share} COMPONENT data PATTERN pictures EXCLUDE)

@@ -13,6 +13,7 @@
 #include "app/program/shipped.h"
 #include "app/result/output.h"
 #include "app/scene/toml_table.h"
+#include "app/words/words.h"
 #include "sim/base/elementary.h"
 #include "sim/commands/authorship.h"
 #include "sim/commands/kinds.h"
@@ -400,9 +401,9 @@ void withhold_shown(std::vector<Judgement>& judged, std::span<const Command> scr
         j.name == "corner_mm" || j.name == "angle_deg" || j.name == "limb_percent" || j.name == "waste_mm2";
     if (k->of == Known::hand ? !any : of_cuts ? cuts_shown == 0 : all_shown == 0) continue;
     j.value.reset(), j.met = false;
-    j.why = k->of == Known::hand ? std::string("the program has shown a part, which is not the learner's")
-            : of_cuts            ? fmt::format("{} of {} cuts were shown by the program", cuts_shown, cuts)
-                                 : fmt::format("{} of {} acts were shown by the program", all_shown, all);
+    j.why = k->of == Known::hand ? std::string(english("the program has shown a part, which is not the learner's"))
+            : of_cuts            ? fmt::format(english("{} of {} cuts were shown by the program"), cuts_shown, cuts)
+                                 : fmt::format(english("{} of {} acts were shown by the program"), all_shown, all);
   }
 }
 
@@ -410,38 +411,46 @@ namespace {
 
 /// What a learner can do about a tolerance that was missed.
 constexpr std::array<std::array<const char*, 3>, 29> kAdvice{
-    {{"corner_mm", "Corners of the cuts", "mark the corners before you cut, and draw from one to the next"},
-     {"angle_deg", "Angles of the cuts", "turn at each corner as the plan does; rest there before you go on"},
-     {"limb_percent", "Lengths of the limbs", "measure the limbs: each as long as the plan has it"},
-     {"gap_mm", "Bites of a stitch apart", "bring the edges together with a hook before you tie"},
-     {"suture_N", "Pull of a stitch", "undermine further, or close where the pull is least first"},
-     {"suture_peak_N", "Strongest pull of a stitch",
-      "tie the stitch that carries the tension last of its row, or undermine further"},
-     {"closure_N", "Pull of the closure",
-      "lay the closure along the skin that gives: across the tension lines less is needed"},
-     {"dog_ear_mm", "Dog-ear", "take the cone out as a small triangle, or make the ends of the wound sharper"},
-     {"wound_gape_mm", "Gape of the wound", "set the stitches closer together, and into the corners first"},
-     {"step_off_mm", "Step between the edges", "take both bites at one depth"},
-     {"landmark_mm", "Landmark drawn away", "turn the closure so that it pulls past what must stay"},
-     {"waste_mm2", "Skin excised", "excise no more than the plan does"},
-     {"pieces_wrong", "Pieces of bone",
-      "carry the cut through all of the bone, and round the landmarks that belong to the piece"},
-     {"piece_mm", "Place of the piece", "carry the piece as far as the plan does, and look at its landmarks"},
-     {"piece_deg", "Turn of the piece", "keep the piece level while you carry it"},
-     {"sideways_mm", "Piece to the side", "look from the front: the piece went to the side"},
-     {"forwards_mm", "Piece forwards", "look from the side: too far forwards, or not far enough"},
-     {"upwards_mm", "Piece upwards", "look from the side: the piece went up or down"},
-     {"stays_mm", "What should stay", "leave alone what should stay: saw it free before you pull"},
-     {"midline_mm", "Midline", "look from above: bring the piece back to the midline"},
-     {"osteotomy_gap_mm", "Gap of the bone cut", "let the piece slide along its cut"},
-     {"osteotomy_overlap_mm", "Bone in bone", "take away what stands in the piece's way, or carry it less far"},
-     {"bone_outside_mm", "Bone outside the skin", "bone stands out of the skin: carry it less far"},
-     {"cephalometry_mm", "Cephalometry", "measure the bite before you plate it"},
-     {"cephalometry_deg", "Angles of cephalometry", "turn the piece about its hinge, and measure again"},
-     {"time_s", "Time", "plan the order first; hesitation cost more than the hands"},
-     {"path_mm", "Way of the hand", "shorter ways: choose the next tool near the place of the next act"},
-     {"movements", "Movements", "fewer and longer movements"},
-     {"undos", "Acts taken back", "look twice before you press: each act taken back was a cut"}}};
+    {{"corner_mm", english("Corners of the cuts"),
+      english("mark the corners before you cut, and draw from one to the next")},
+     {"angle_deg", english("Angles of the cuts"),
+      english("turn at each corner as the plan does; rest there before you go on")},
+     {"limb_percent", english("Lengths of the limbs"), english("measure the limbs: each as long as the plan has it")},
+     {"gap_mm", english("Bites of a stitch apart"), english("bring the edges together with a hook before you tie")},
+     {"suture_N", english("Pull of a stitch"), english("undermine further, or close where the pull is least first")},
+     {"suture_peak_N", english("Strongest pull of a stitch"),
+      english("tie the stitch that carries the tension last of its row, or undermine further")},
+     {"closure_N", english("Pull of the closure"),
+      english("lay the closure along the skin that gives: across the tension lines less is needed")},
+     {"dog_ear_mm", english("Dog-ear"),
+      english("take the cone out as a small triangle, or make the ends of the wound sharper")},
+     {"wound_gape_mm", english("Gape of the wound"),
+      english("set the stitches closer together, and into the corners first")},
+     {"step_off_mm", english("Step between the edges"), english("take both bites at one depth")},
+     {"landmark_mm", english("Landmark drawn away"), english("turn the closure so that it pulls past what must stay")},
+     {"waste_mm2", english("Skin excised"), english("excise no more than the plan does")},
+     {"pieces_wrong", english("Pieces of bone"),
+      english("carry the cut through all of the bone, and round the landmarks that belong to the piece")},
+     {"piece_mm", english("Place of the piece"),
+      english("carry the piece as far as the plan does, and look at its landmarks")},
+     {"piece_deg", english("Turn of the piece"), english("keep the piece level while you carry it")},
+     {"sideways_mm", english("Piece to the side"), english("look from the front: the piece went to the side")},
+     {"forwards_mm", english("Piece forwards"), english("look from the side: too far forwards, or not far enough")},
+     {"upwards_mm", english("Piece upwards"), english("look from the side: the piece went up or down")},
+     {"stays_mm", english("What should stay"), english("leave alone what should stay: saw it free before you pull")},
+     {"midline_mm", english("Midline"), english("look from above: bring the piece back to the midline")},
+     {"osteotomy_gap_mm", english("Gap of the bone cut"), english("let the piece slide along its cut")},
+     {"osteotomy_overlap_mm", english("Bone in bone"),
+      english("take away what stands in the piece's way, or carry it less far")},
+     {"bone_outside_mm", english("Bone outside the skin"), english("bone stands out of the skin: carry it less far")},
+     {"cephalometry_mm", english("Cephalometry"), english("measure the bite before you plate it")},
+     {"cephalometry_deg", english("Angles of cephalometry"),
+      english("turn the piece about its hinge, and measure again")},
+     {"time_s", english("Time"), english("plan the order first; hesitation cost more than the hands")},
+     {"path_mm", english("Way of the hand"),
+      english("shorter ways: choose the next tool near the place of the next act")},
+     {"movements", english("Movements"), english("fewer and longer movements")},
+     {"undos", english("Acts taken back"), english("look twice before you press: each act taken back was a cut")}}};
 
 const std::array<const char*, 3>* advice_on(const std::string& tolerance) {
   const auto* a = std::find_if(kAdvice.begin(), kAdvice.end(), [&](const auto& x) { return tolerance == x[0]; });
@@ -460,11 +469,12 @@ std::vector<std::string> to_do_better(std::span<const Judgement> judged, size_t 
   for (const Judgement& j : judged) {
     if (j.met || j.name.empty()) continue;
     const auto* advice = advice_on(j.name);
-    const std::string what = advice ? (*advice)[2] : "look at it again";
+    const std::string what = advice ? (*advice)[2] : english("look at it again");
     if (j.value)
       all.emplace_back(*j.value / std::max(j.limit, 0.1),
-                       fmt::format("{}: {:.3g}{}{} where {:.3g} is the most: {}.", words_of_tolerance(j.name), *j.value,
-                                   j.unit.empty() ? "" : " ", j.unit, j.limit, what));
+                       fmt::format(english("{}: {} where {} is the most: {}."), words_of_tolerance(j.name),
+                                   fmt::format("{:.3g}", *j.value) + (j.unit.empty() ? "" : " " + j.unit),
+                                   fmt::format("{:.3g}", j.limit), what));
     else
       all.emplace_back(j.why.find("shown by the program") != std::string::npos ? 0.5 : 1e6,
                        fmt::format("{}: {}.", words_of_tolerance(j.name), j.why));
@@ -484,26 +494,27 @@ LessonValues lesson_values(const Metrics& m, const std::optional<DesignError>& e
     for (const char* name : names) v.value.erase(name), v.why_not[name] = why;
   };
   if (m.sutures.empty())
-    without({"gap_mm", "suture_N", "suture_peak_N", "closure_N"}, "stitches were looked for at the end; there is none");
-  if (!(m.gape.rim_length_mm > 0)) without({"wound_gape_mm"}, "a wound was looked for; nothing was cut");
-  if (!m.waste_mm2) without({"waste_mm2"}, "an excision was looked for; nothing was excised");
+    without({"gap_mm", "suture_N", "suture_peak_N", "closure_N"},
+            english("stitches were looked for at the end; there is none"));
+  if (!(m.gape.rim_length_mm > 0)) without({"wound_gape_mm"}, english("a wound was looked for; nothing was cut"));
+  if (!m.waste_mm2) without({"waste_mm2"}, english("an excision was looked for; nothing was excised"));
   const auto gone =
       std::find_if(m.landmarks.begin(), m.landmarks.end(), [](const NamedLandmark& l) { return !l.figure; });
   if (m.landmarks.empty())
-    without({"landmark_mm"}, "landmarks were looked for; neither scene nor lesson names one");
+    without({"landmark_mm"}, english("landmarks were looked for; neither scene nor lesson names one"));
   else if (gone != m.landmarks.end())
     without({"landmark_mm"},
             "the skin of " + gone->name + " was looked for at " + at_text(gone->at) + "; there is none");
   if (!e)
     without({"corner_mm", "angle_deg", "limb_percent"},
-            "cuts were looked for where the plan has them; nothing was excised or incised");
+            english("cuts were looked for where the plan has them; nothing was excised or incised"));
   else if (!e->missing.empty())
     without({"corner_mm", "angle_deg", "limb_percent"}, why_missing(*e));
   else
     v.value.insert(
         {{"corner_mm", e->corner_max_mm}, {"angle_deg", e->angle_max_deg}, {"limb_percent", e->limb_max_percent}});
-  without({"time_s"}, "the session's time was looked for; there is none");
-  without({"path_mm", "movements"}, "a hand's movements were looked for; none are recorded");
+  without({"time_s"}, english("the session's time was looked for; there is none"));
+  without({"path_mm", "movements"}, english("a hand's movements were looked for; none are recorded"));
   return v;
 }
 

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "app/result/verdict_words.h"
+#include "app/words/words.h"
 #include "sim/lattice/fem_assembly.h"
 #include "sim/measure/table.h"
 
@@ -23,12 +24,13 @@ constexpr double kRawWarn_mm2 = 1;
 // At a lag of 75 ms a hand begins to be slower, at 225 ms it is 64 % slower, with three times the errors (MacKenzie and
 // Ware 1993, INTERCHI, 488).
 constexpr double kBehindWarn_ms = 75, kBehindBad_ms = 225;
-constexpr const char* kBehindSource = "MacKenzie and Ware 1993: at 225 ms errors trebled, at 75 ms they begin to rise";
+constexpr const char* kBehindSource =
+    english("MacKenzie and Ware 1993: at 225 ms errors trebled, at 75 ms they begin to rise");
 constexpr double kSkippedShare = 0.01;  // as the lag, which 99 % of the ticks do not exceed
 
 std::string on_chart(const Body& body, const Vec3& X_mm) {
   const ChartPoint p = body.to_chart(X_mm);
-  return fmt::format("({:.1f}, {:.1f}) mm", p.x() + 0.0, p.y() + 0.0);
+  return fmt::format(english("({:.1f}, {:.1f}) mm"), p.x() + 0.0, p.y() + 0.0);
 }
 
 std::string numbers_of(std::vector<int> ids, const char* one, const char* several) {
@@ -59,7 +61,7 @@ class Lines {
     if (tolerance)
       for (size_t i = 0; i < judged_.size(); ++i)
         if (judged_[i].name == tolerance)
-          limit = warn = judged_[i].limit, source = "the lesson", used_[i] = judged_[i].value.has_value();
+          limit = warn = judged_[i].limit, source = english("the lesson"), used_[i] = judged_[i].value.has_value();
     add(std::move(what), value, std::move(unit), limit, std::move(place),
         value > limit  ? light_names::bad
         : value > warn ? light_names::warn
@@ -73,8 +75,8 @@ class Lines {
   void rest_of_lesson() {
     for (size_t i = 0; i < judged_.size(); ++i)
       if (const Judgement& j = judged_[i]; !used_[i])
-        add("lesson: " + j.name, j.value.value_or(kNone), j.unit, j.limit, j.value ? "" : j.why,
-            j.met ? light_names::good : light_names::bad, "the lesson");
+        add(fmt::format(english("lesson: {}"), j.name), j.value.value_or(kNone), j.unit, j.limit, j.value ? "" : j.why,
+            j.met ? light_names::good : light_names::bad, english("the lesson"));
   }
 
  private:
@@ -86,25 +88,27 @@ void look_at_shape(Lines& lines, const VerdictOf& of) {
   const Metrics& m = *of.metrics;
   // Skin is bent by no less than a cell of the lattice: a face of one is what it cannot tell from none.
   const double wound_cell_mm = of.cell_mm / double(1 << of.wound_level), face_mm2 = wound_cell_mm * wound_cell_mm;
+  lines.limited(english("skin on its face or inside out"), m.turned.area_mm2, "mm²",
+                {0.5 * face_mm2, face_mm2,
+                 english("one face of a cell of the lattice at the wound, which bends skin no sharper")},
+                m.turned.area_mm2 > 0 ? on_chart(*of.body, m.turned.at_mm) : "");
   lines.limited(
-      "skin on its face or inside out", m.turned.area_mm2, "mm²",
-      {0.5 * face_mm2, face_mm2, "one face of a cell of the lattice at the wound, which bends skin no sharper"},
-      m.turned.area_mm2 > 0 ? on_chart(*of.body, m.turned.at_mm) : "");
-  lines.limited(
-      "tissue inside out", m.inverted_mm3, "mm³",
+      english("tissue inside out"), m.inverted_mm3, "mm³",
       {0, kLeastFraction * of.cell_mm * of.cell_mm * of.cell_mm,
-       "tissue cannot be turned inside out; a hundredth of a cell is what the lattice does not tell from none"},
+       english(
+           "tissue cannot be turned inside out; a hundredth of a cell is what the lattice does not tell from none")},
       m.inverted_cells > 0 ? on_chart(*of.body, m.inverted_at_mm) : "");
-  lines.limited("dog-ear", m.dog_ear_mm, "mm", kDogEar_mm, m.dog_ear_mm > 0 ? on_chart(*of.body, m.dog_ear_at_mm) : "",
-                "dog_ear_mm");
+  lines.limited(english("dog-ear"), m.dog_ear_mm, "mm", kDogEar_mm,
+                m.dog_ear_mm > 0 ? on_chart(*of.body, m.dog_ear_at_mm) : "", "dog_ear_mm");
   const double skin_mm = of.body->layers.empty() ? 1 : of.body->layers[0].thickness_mm;
-  lines.limited("tissue in tissue, 99 % of the wound", m.penetration.p99_mm, "mm",
+  lines.limited(english("tissue in tissue, 99 % of the wound"), m.penetration.p99_mm, "mm",
                 {kSutureGap_mm.bad, std::max(kSutureGap_mm.bad, kOverlapOfSkin * skin_mm),
-                 "half of the skin's thickness: edges that lie through one another"},
+                 english("half of the skin's thickness: edges that lie through one another")},
                 "");
   if (m.beyond_law_mm2 > 0)
-    lines.add("skin stretched beyond what skin bears, without a stress", m.beyond_law_mm2, "mm²", kNone, "",
-              light_names::warn, "Ni Annaidh et al. 2012: excised skin tore at a stretch of 1.54; its law ends there");
+    lines.add(english("skin stretched beyond what skin bears, without a stress"), m.beyond_law_mm2, "mm²", kNone, "",
+              light_names::warn,
+              english("Ni Annaidh et al. 2012: excised skin tore at a stretch of 1.54; its law ends there"));
 }
 
 void look_at_wound(Lines& lines, const VerdictOf& of) {
@@ -114,19 +118,21 @@ void look_at_wound(Lines& lines, const VerdictOf& of) {
   const std::string widest = on_chart(*of.body, g.widest_at_mm);
   if (m.sutures.empty() && !lines.asked("wound_gape_mm")) {
     if (g.open_mm > 0)
-      lines.add("open wound, nothing is sewn", g.widest_mm, "mm", kNone, widest, light_names::told, "");
+      lines.add(english("open wound, nothing is sewn"), g.widest_mm, "mm", kNone, widest, light_names::told, "");
     return;
   }
   const size_t before = lines.all.size();
-  lines.limited("wound gape, 95 % of the edge", g.gape_mm, "mm", kWoundGape_mm, on_chart(*of.body, g.gape_at_mm),
-                "wound_gape_mm");
-  lines.limited("wound gape, widest", g.widest_mm, "mm", kWoundGape_mm, widest);
-  lines.limited("edge of the wound that is open", g.open_mm, "mm",
-                {0, 0, "closed is a wound whose edges are all within 2 mm of each other (Hollander et al. 1995)"},
-                g.open_mm > 0 ? widest : "");
+  lines.limited(english("wound gape, 95 % of the edge"), g.gape_mm, "mm", kWoundGape_mm,
+                on_chart(*of.body, g.gape_at_mm), "wound_gape_mm");
+  lines.limited(english("wound gape, widest"), g.widest_mm, "mm", kWoundGape_mm, widest);
   lines.limited(
-      "edge of the wound that lies over or under skin", g.over_mm, "mm",
-      {0, kOpen_mm, "an inverted edge is a fault (Hollander et al. 1995); more of it than edges may be apart is bad"},
+      english("edge of the wound that is open"), g.open_mm, "mm",
+      {0, 0, english("closed is a wound whose edges are all within 2 mm of each other (Hollander et al. 1995)")},
+      g.open_mm > 0 ? widest : "");
+  lines.limited(
+      english("edge of the wound that lies over or under skin"), g.over_mm, "mm",
+      {0, kOpen_mm,
+       english("an inverted edge is a fault (Hollander et al. 1995); more of it than edges may be apart is bad")},
       g.over_mm > 0 ? on_chart(*of.body, g.over_at_mm) : "");
   lines.limited("raw tissue above the skin", m.raw.area_mm2, "mm²",
                 {kRawWarn_mm2, kOpen_mm * kOpen_mm,
@@ -135,10 +141,10 @@ void look_at_wound(Lines& lines, const VerdictOf& of) {
   const bool closed = std::all_of(lines.all.begin() + std::ptrdiff_t(before), lines.all.end(),
                                   [](const ResultVerdict& l) { return l.light != light_names::bad; });
   if (closed && !m.sutures.empty())
-    lines.add(kClosedWhole, m.scar_length_mm, "mm", kNone, fmt::format("gapes by at most {:.2g} mm", g.widest_mm),
-              light_names::good, "");
+    lines.add(kClosedWhole, m.scar_length_mm, "mm", kNone,
+              fmt::format(english("gapes by at most {:.2g} mm"), g.widest_mm), light_names::good, "");
   if (lines.asked("step_off_mm"))
-    lines.limited("step-off, 95 % of the edge", m.step_off_mm, "mm", {}, "", "step_off_mm");
+    lines.limited(english("step-off, 95 % of the edge"), m.step_off_mm, "mm", {}, "", "step_off_mm");
 }
 
 void look_at_stitches(Lines& lines, const VerdictOf& of) {
@@ -147,32 +153,36 @@ void look_at_stitches(Lines& lines, const VerdictOf& of) {
   std::vector<int> slack;  // of which the bank says nothing already
   for (const int id : m.slack)
     if (std::find(m.one_bank.begin(), m.one_bank.end(), id) == m.one_bank.end()) slack.push_back(id);
-  lines.limited("stitches that hold nothing: both bites in one bank", double(m.one_bank.size()), "",
-                {0, 0, "a stitch joins two edges"}, numbers_of(m.one_bank, "stitch", "stitches"));
+  lines.limited(english("stitches that hold nothing: both bites in one bank"), double(m.one_bank.size()), "",
+                {0, 0, english("a stitch joins two edges")},
+                numbers_of(m.one_bank, english("stitch"), english("stitches")));
   if (!slack.empty())
-    lines.add("stitches that hold nothing: slack", double(slack.size()), "", 0, numbers_of(slack, "stitch", "stitches"),
-              light_names::warn, "pulls with less than 0.001 N");
-  lines.limited("bites of a stitch apart", m.suture_gap_max_mm, "mm", kSutureGap_mm, "", "gap_mm");
+    lines.add(english("stitches that hold nothing: slack"), double(slack.size()), "", 0,
+              numbers_of(slack, english("stitch"), english("stitches")), light_names::warn,
+              english("pulls with less than 0.001 N"));
+  lines.limited(english("bites of a stitch apart"), m.suture_gap_max_mm, "mm", kSutureGap_mm, "", "gap_mm");
   const std::string most = "stitch " + std::to_string(m.suture_force_max_id);
-  lines.limited("largest force of a stitch", m.suture_force_max_N, "N", kSutureForce_N, most, "suture_N");
+  lines.limited(english("largest force of a stitch"), m.suture_force_max_N, "N", kSutureForce_N, most, "suture_N");
   if (lines.asked("suture_peak_N"))
-    lines.limited("largest force of a stitch so far", m.suture_force_peak_N, "N", kSutureForce_N, "", "suture_peak_N");
-  lines.limited("closure force", m.closure_force_N, "N", kClosureForce_N, "", "closure_N");
+    lines.limited(english("largest force of a stitch so far"), m.suture_force_peak_N, "N", kSutureForce_N, "",
+                  "suture_peak_N");
+  lines.limited(english("closure force"), m.closure_force_N, "N", kClosureForce_N, "", "closure_N");
 }
 
 void look_at_pace(Lines& lines, const Pace& p) {
   const double least = kSkippedShare * double(p.steps + p.skipped);
-  lines.add("solver steps skipped", double(p.skipped), "", std::floor(least), "",
+  lines.add(english("solver steps skipped"), double(p.skipped), "", std::floor(least), "",
             double(p.skipped) > least ? light_names::warn : light_names::good,
-            "a hundredth of all, as the lag, which 99 % of the time do not exceed");
-  lines.limited("patient behind the hand, 99 % of the time", p.behind_p99_ms, "ms",
-                {kBehindWarn_ms, kBehindBad_ms, kBehindSource}, fmt::format("{:.0f} ms at most", p.behind_max_ms));
+            english("a hundredth of all, as the lag, which 99 % of the time do not exceed"));
+  lines.limited(english("patient behind the hand, 99 % of the time"), p.behind_p99_ms, "ms",
+                {kBehindWarn_ms, kBehindBad_ms, kBehindSource},
+                fmt::format(english("{:.0f} ms at most"), p.behind_max_ms));
   if (!p.slowed) return;
   const double bearable_s = kSkippedShare * p.slowed->session_s;
-  lines.add("time added by slow motion", p.slowed->added_s, "s", bearable_s,
-            fmt::format("slowest second: {:.2f} of real time", p.slowed->slowest),
+  lines.add(english("time added by slow motion"), p.slowed->added_s, "s", bearable_s,
+            fmt::format(english("slowest second: {:.2f} of real time"), p.slowed->slowest),
             p.slowed->added_s > bearable_s ? light_names::warn : light_names::good,
-            "a hundredth of the session, as of steps: a hand that is timed has had longer than its times say");
+            english("a hundredth of the session, as of steps: a hand that is timed has had longer than its times say"));
 }
 
 }  // namespace
@@ -181,17 +191,17 @@ std::vector<ResultVerdict> verdict_of(const VerdictOf& of) {
   Lines lines(of.judged);
   if (of.metrics) look_at_shape(lines, of), look_at_wound(lines, of), look_at_stitches(lines, of);
   if (of.bone)
-    lines.limited("bone outside the skin", of.bone->depth_mm, "mm", {0, 0, "bone lies under skin"},
+    lines.limited(english("bone outside the skin"), of.bone->depth_mm, "mm", {0, 0, english("bone lies under skin")},
                   of.bone->depth_mm > 0
-                      ? fmt::format("({:.1f}, {:.1f}, {:.1f}) mm, fragment {}, {:.0f} mm²", of.bone->at_mm.x(),
+                      ? fmt::format(english("({:.1f}, {:.1f}, {:.1f}) mm, fragment {}, {:.0f} mm²"), of.bone->at_mm.x(),
                                     of.bone->at_mm.y(), of.bone->at_mm.z(), of.bone->object, of.bone->area_mm2)
                       : "",
                   "bone_outside_mm");
   if (of.pace) look_at_pace(lines, *of.pace);
   if (!(of.residual <= kAtRest))
-    lines.add("not at rest: relative residual", of.residual, "", kAtRest,
-              of.stalled ? "the solver stalls: more iterations gain nothing" : "",
-              of.cut_short ? light_names::warn : light_names::bad, "what is measured is not settled yet");
+    lines.add(english("not at rest: relative residual"), of.residual, "", kAtRest,
+              of.stalled ? english("the solver stalls: more iterations gain nothing") : "",
+              of.cut_short ? light_names::warn : light_names::bad, english("what is measured is not settled yet"));
   lines.rest_of_lesson();
   worst_first(lines.all);
   return std::move(lines.all);

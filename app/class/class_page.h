@@ -10,6 +10,7 @@
 #include "app/assembly/lesson.h"
 #include "app/class/class_table.h"
 #include "app/teaching/lesson_plan.h"
+#include "app/words/words.h"
 
 namespace limberg {
 
@@ -20,6 +21,7 @@ struct ClassPage {
   int to_come = 0;                 // sessions that were not measured yet
   int left_out = 0, passed_over = 0;
   bool pseudonyms = true;
+  Words w = {};  // its language
   std::string reproduce;
 };
 

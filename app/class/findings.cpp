@@ -9,6 +9,7 @@
 
 #include "app/assembly/lesson.h"
 #include "app/report/parts.h"
+#include "app/words/words.h"
 #include "sim/measure/table.h"
 
 namespace limberg {
@@ -17,7 +18,8 @@ namespace {
 constexpr int kMany = 2;  // more than so many presses, refusals or acts taken back are told (as the window does)
 
 std::string figure_words(double value, double limit, const std::string& unit) {
-  return fmt::format("{:.3g}{}{}, at most {:.3g}", value, unit.empty() ? "" : " ", unit, limit);
+  return fmt::format(english("{}, at most {}"), fmt::format("{:.3g}", value) + (unit.empty() ? "" : " " + unit),
+                     fmt::format("{:.3g}", limit));
 }
 
 void add_count(std::vector<Finding>& all, const char* key, const char* what, Maybe n, double most) {
@@ -63,42 +65,45 @@ std::vector<Finding> findings_of(const ClassMember& m, const ClassWalk& w) {
     if (s.shown > 0 && s.shown == s.done) continue;
     const bool whole = s.done == s.planned;
     all.push_back({"not done/" + s.name,
-                   "Step \"" + s.name + "\" not done",
-                   fmt::format("{} of {} acts", s.done, s.planned),
+                   fmt::format(english("Step \"{}\" not done"), s.name),
+                   fmt::format(english("{} of {} acts"), s.done, s.planned),
                    "acts",
                    double(s.done),
                    {},
                    !whole});
     if (s.done > s.shown)
-      all.push_back(
-          {"off/" + s.name, "Step \"" + s.name + "\" otherwise than planned", s.off, "", s.share, 1.0, s.share > 1});
+      all.push_back({"off/" + s.name, fmt::format(english("Step \"{}\" otherwise than planned"), s.name), s.off, "",
+                     s.share, 1.0, s.share > 1});
   }
   if (!w.steps.empty()) {
-    add_count(all, "order", "Acts out of order", double(w.out_of_order), 0);
-    add_count(all, "elsewhere", "Acts elsewhere than planned", double(w.elsewhere), 0);
+    add_count(all, "order", english("Acts out of order"), double(w.out_of_order), 0);
+    add_count(all, "elsewhere", english("Acts elsewhere than planned"), double(w.elsewhere), 0);
   }
   Maybe missed;
   if (d.device.missed_presses) missed = double(*d.device.missed_presses + d.device.dropped_gestures.value_or(0));
-  add_count(all, "missed", "Presses that came to nothing, more than two", missed, kMany);
-  add_count(all, "refused", "Acts that were refused", exercise_of(d, "refused"), 0);
+  add_count(all, "missed", english("Presses that came to nothing, more than two"), missed, kMany);
+  add_count(all, "refused", english("Acts that were refused"), exercise_of(d, "refused"), 0);
   const auto judged_undos = [](const Finding& f) { return f.key == "tolerance/undos"; };
   if (std::none_of(all.begin(), all.end(), judged_undos))
-    add_count(all, "undos", "Acts taken back, more than two", exercise_of(d, "undos"), kMany);
+    add_count(all, "undos", english("Acts taken back, more than two"), exercise_of(d, "undos"), kMany);
   if (const Maybe n = d.metric("inverted_cells")) {
-    const std::string words = fmt::format("{:.3g} mm3 in {:.0f} cells", d.metric("inverted_mm3").value_or(0), *n);
-    all.push_back({"count/inverted", "Tissue inside out", words, "cells", n, 0.0, *n > 0});
+    const std::string words =
+        fmt::format(english("{:.3g} mm3 in {:.0f} cells"), d.metric("inverted_mm3").value_or(0), *n);
+    all.push_back({"count/inverted", english("Tissue inside out"), words, "cells", n, 0.0, *n > 0});
   }
   if (d.residual)
-    all.push_back({"count/rest", "Not at rest at the end", fmt::format("residual {:.2g}", *d.residual), "", d.residual,
-                   kAtRest, !(*d.residual <= kAtRest)});
+    all.push_back({"count/rest", english("Not at rest at the end"),
+                   fmt::format(english("residual {:.2g}"), *d.residual), "", d.residual, kAtRest,
+                   !(*d.residual <= kAtRest)});
   if (const Maybe most = d.metric("suture_force_peak_N"); most && !d.sutures().empty())
-    all.push_back({"count/force", "A stitch that ever pulled with more than 2.5 N",
+    all.push_back({"count/force", english("A stitch that ever pulled with more than 2.5 N"),
                    figure_words(*most, kSutureForce_N.warn, "N"), "N", most, kSutureForce_N.warn,
                    *most > kSutureForce_N.warn});
   if (m.also.whole && !*m.also.whole)
-    all.push_back({"count/ended", "The session was cut short", "no end in the recording", "", {}, {}, true});
+    all.push_back(
+        {"count/ended", english("The session was cut short"), english("no end in the recording"), "", {}, {}, true});
   else if (m.also.whole)
-    all.push_back({"count/ended", "The session was cut short", "", "", {}, {}, false});
+    all.push_back({"count/ended", english("The session was cut short"), "", "", {}, {}, false});
   return all;
 }
 

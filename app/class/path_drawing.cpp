@@ -9,6 +9,7 @@
 #include "app/report/markup.h"
 #include "app/report/svg_chart.h"
 #include "app/teaching/against_plan.h"
+#include "app/words/words.h"
 #include "devices/sample.h"
 #include "sim/commands/strokes.h"
 
@@ -178,10 +179,11 @@ std::string path_svg(const DrawnFrame& frame, const LessonPlan& plan, const Clas
 }
 
 std::string path_legend() {
-  return "Blue: the tool on its way. Red: it cuts; green: undermines; violet: holds and carries; ochre: sews. Grey: "
-         "the "
-         "expert. Violet, dashed, with letters: the plan. Red crosses: presses that came to nothing. Skin is drawn as "
-         "it lay before the operation, bone as the picture of the scene sees it.";
+  return english(
+      "Blue: the tool on its way. Red: it cuts; green: undermines; violet: holds and carries; ochre: sews. Grey: "
+      "the "
+      "expert. Violet, dashed, with letters: the plan. Red crosses: presses that came to nothing. Skin is drawn as "
+      "it lay before the operation, bone as the picture of the scene sees it.");
 }
 
 std::string step_times_svg(const std::vector<StepTimes>& rows, const std::string& description) {

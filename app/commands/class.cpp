@@ -332,6 +332,7 @@ int run_class(const ClassOptions& o) {
   page.lesson = against.lesson ? &*against.lesson : nullptr;
   page.pseudonyms = !o.names;
   page.reproduce = this_call();
+  page.w = o.common.words();
   page.plan = make_lesson_plan(page.lesson, against.script);
   Measuring measuring(o, against, students.size() + (expert ? 1 : 0));
   size_t number = 0, measured_ones = 0;
@@ -424,7 +425,7 @@ void add_class(CLI::App& app, Chosen& chosen) {
   c->add_option("--key", o->key, "Write which pseudonym is which file into this table; keep it apart from the page")
       ->type_name("FILE");
   c->add_flag("--anew", o->anew, "Measure again what was measured already");
-  o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
+  o->common.add_out(*c), o->common.add_words(*c), o->common.add_json(*c), o->common.add_workers(*c);
   c->footer(
       "Exit status 3: something in the folder could not be used, or the call was interrupted; the same call goes on.\n"
       "Example: limberg class my-class --lesson rhomboid --out out/class");

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "app/words/chosen_words.h"
+
 namespace CLI {
 class App;
 }
@@ -41,9 +43,11 @@ void add_measures(CLI::App& app, Chosen& chosen);
 void add_actions(CLI::App& app, Chosen& chosen);
 void add_class(CLI::App& app, Chosen& chosen);
 void add_rooms(CLI::App& app, Chosen& chosen);
+void add_words(CLI::App& app, Chosen& chosen);
 
 /// Options that several commands share.
 struct CommonOptions {
+  WordsWish wish;  // of whom the window and the pages are for
   std::string out_dir, json_file, repro_dir;
   std::string simd;
   int workers = 0;  // 0: as many as the machine has cores, at most 8
@@ -52,11 +56,14 @@ struct CommonOptions {
   void add_json(CLI::App& command);
   void add_workers(CLI::App& command);  // and --simd
   void add_repro(CLI::App& command);
+  void add_words(CLI::App& command);  // --language, --words
   /// Where refused cuts leave their files: --repro, or else --out.
   const std::string& repro() const { return repro_dir.empty() ? out_dir : repro_dir; }
   /// Checks before any work that everything can be written. InputError otherwise.
   void prepare() const;
   int worker_count() const;
+  /// InputError: no such language, or a table that is not sound.
+  Words words() const { return chosen_words(wish); }
 };
 
 }  // namespace limberg

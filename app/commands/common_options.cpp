@@ -32,7 +32,15 @@ void CommonOptions::add_repro(CLI::App& c) {
       ->type_name("DIR");
 }
 
+void CommonOptions::add_words(CLI::App& c) {
+  c.add_option("--language", wish.language,
+               "Of window and pages: en, de (default: LIMBERG_LANGUAGE, or that of the machine)")
+      ->type_name("LANGUAGE");
+  c.add_option("--words", wish.file, "The table of another language (limberg words)")->type_name("FILE");
+}
+
 void CommonOptions::prepare() const {
+  words();
   if (!simd.empty())
     setenv("LIMBERG_SIMD", simd.c_str(), 1);  // before any thread and any solver (sim/fem/solver/engine.h)
   if (!out_dir.empty()) prepare_folder(out_dir);

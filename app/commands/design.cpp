@@ -219,7 +219,7 @@ void add_design(CLI::App& app, Chosen& chosen) {
       ->check(number_from(0.0, 100.0));
   c->add_option("--undermine-mm", o->task.plan.undermine_margin_mm, "Undermined so far around each figure (default 12)")
       ->check(number_from(0, 1000));
-  o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
+  o->common.add_out(*c), o->common.add_words(*c), o->common.add_json(*c), o->common.add_workers(*c);
   c->footer(
       "Leaves ranking.svg, and design-N.svg and design-N.jsonl of the best, in DIR.\n"
       "Example: limberg design rhomboid --defect circle:0,0,14 --spare lid=0,22 --out out/design");

@@ -383,7 +383,8 @@ void add_operate(CLI::App& app, Chosen& chosen) {
                 "Write stretch, stress, their direction and the perfusion index of every skin triangle")
       ->type_name("CSV")
       ->excludes(orders);
-  o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c), o->common.add_repro(*c);
+  o->common.add_out(*c), o->common.add_words(*c), o->common.add_json(*c), o->common.add_workers(*c),
+      o->common.add_repro(*c);
   c->footer("Example: limberg operate rhomboid recordings/rhomboid.jsonl --cells 5,3.5,2.5 --out out/operate");
   c->callback([o, &chosen] { chosen = [o] { return run_operate(*o); }; });
 }

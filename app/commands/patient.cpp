@@ -464,7 +464,7 @@ void add_patient(CLI::App& app, Chosen& chosen) {
   CLI::App* c = app.add_subcommand("patient", "A scene with skull, mandible, skin and landmarks from a CT of a head");
   c->add_option("CT", o->input, "A folder of DICOM slices (with subfolders; a DICOMDIR), NRRD, MetaImage or NIfTI-1")
       ->required();
-  o->common.add_out(*c);
+  o->common.add_out(*c), o->common.add_words(*c);
   c->add_option("--series", o->series,
                 "Of a folder with several: number, UID or part of its description [the one that shows a head best]")
       ->type_name("NAME");

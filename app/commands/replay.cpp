@@ -109,7 +109,8 @@ void add_replay(CLI::App& app, Chosen& chosen) {
   c->add_flag("--film-fine", o->film_fine, "Edges as smooth as those of the report's pictures: about four times longer")
       ->needs(film);
   o->automatic.add(*c);
-  o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c), o->common.add_repro(*c);
+  o->common.add_out(*c), o->common.add_words(*c), o->common.add_json(*c), o->common.add_workers(*c),
+      o->common.add_repro(*c);
   c->footer(
       "Exit status 3: the recording is damaged; what is whole was replayed.\n"
       "Example: limberg replay recordings/rhomboid.lcm --out out/demo --json out/demo/result.json");

@@ -23,6 +23,7 @@ std::string page_of(const std::string& out) {
 void add_report(CLI::App& app, Chosen& chosen) {
   struct Options {
     std::string dir, out;
+    CommonOptions common;
     std::vector<std::string> compare;
   };
   auto o = std::make_shared<Options>();
@@ -37,15 +38,18 @@ void add_report(CLI::App& app, Chosen& chosen) {
   c->add_option("--out", o->out, "The page of the comparison (default: compare.html in B)")
       ->type_name("FILE|DIR")
       ->needs(compare);
+  o->common.add_words(*c);
   c->footer(
       "Example: limberg report out/demo\n"
+      "         limberg report out/demo --language de\n"
       "         limberg report --compare out/mine out/demo --out compare.html");
   c->callback([o, &chosen] {
     if (o->dir.empty() && o->compare.empty()) throw CLI::RequiredError("DIR, or --compare A B,");
     chosen = [o] {
-      const std::string page = o->compare.empty() ? write_report(o->dir)
-                                                  : write_comparison(o->compare[0], o->compare[1],
-                                                                     page_of(o->out.empty() ? o->compare[1] : o->out));
+      const std::string page =
+          o->compare.empty() ? write_report(o->dir, o->common.words())
+                             : write_comparison(o->compare[0], o->compare[1],
+                                                page_of(o->out.empty() ? o->compare[1] : o->out), o->common.words());
       std::printf("%s\n", page.c_str());
       return int(kDone);
     };

@@ -164,7 +164,7 @@ int run_session(const RunOptions& o) {
     w.recording = call.goes_on && o.record.empty() ? name_of_continuation(call.goes_on->file) : o.record;
     if (!o.common.out_dir.empty()) w.picture_dir = o.common.out_dir;
     call.keep_dir = w.picture_dir;
-    w.script = lesson;
+    w.script = lesson, w.w = o.common.words();
     w.mode = mode_of(o.mode);
     w.lesson = words_of(o, call.scene);
     call.window = [w](const Scene& scene, const std::string& word) mutable {
@@ -271,7 +271,8 @@ void add_run(CLI::App& app, Chosen& chosen) {
       ->type_name("MODE")
       ->check(CLI::IsMember({"guided", "free", "examination"}));
   o->automatic.add(*c);
-  o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c), o->common.add_repro(*c);
+  o->common.add_out(*c), o->common.add_words(*c), o->common.add_json(*c), o->common.add_workers(*c),
+      o->common.add_repro(*c);
   c->footer(
       "Example: limberg run rhomboid --device emulated:recordings/rhomboid.jsonl --record my.lcm --headless --out "
       "out/my");

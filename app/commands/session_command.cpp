@@ -215,7 +215,7 @@ void leave_figures(const Result& result, const CommonOptions& common) {
 void leave_result(const Result& result, const CommonOptions& common) {
   leave_figures(result, common);
   if (common.out_dir.empty()) return;
-  std::printf("report      %s\n", write_report(common.out_dir).c_str());
+  std::printf("report      %s\n", write_report(common.out_dir, common.words()).c_str());
 }
 
 void mark_stopped(Result& result) {

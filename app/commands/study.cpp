@@ -345,7 +345,7 @@ void add_study(CLI::App& app, Chosen& chosen) {
   c->add_option("--seed", o->seed, "Of the sample (1)")->check(whole_from(0, 1000000000));
   c->add_flag("--sensitivity", o->sensitivity,
               "N (parameters + 2) members, and each parameter's share of the variance");
-  o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
+  o->common.add_out(*c), o->common.add_words(*c), o->common.add_json(*c), o->common.add_workers(*c);
   c->footer(footer());
   c->callback([o, &chosen] { chosen = [o] { return run_study(*o); }; });
 }

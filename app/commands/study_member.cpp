@@ -73,11 +73,6 @@ bool stands(const std::string& dir, const Job& job) {
   }
 }
 
-std::string variable(const char* name) {
-  const char* text = std::getenv(name);
-  return text ? text : "";
-}
-
 }  // namespace
 
 int run_task(const StudyOptions& o) {

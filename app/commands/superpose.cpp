@@ -383,7 +383,7 @@ void add_superpose(CLI::App& app, Chosen& chosen) {
       ->type_name("DIR");
   c->add_option("--bone", o->bone_HU, "With --plan and a CT: above it is bone, Hounsfield units [250]")
       ->check(number_from(100., 1500.));
-  o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
+  o->common.add_out(*c), o->common.add_words(*c), o->common.add_json(*c), o->common.add_workers(*c);
   c->footer(
       "With --out also: distance.csv and distance.ply (coloured), or registered.nrrd. Exit status 3: they could not be "
       "laid upon each other; the reason is said.\n"

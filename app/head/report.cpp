@@ -16,6 +16,7 @@
 #include "app/result/output.h"
 #include "app/result/progress.h"
 #include "app/result/tables.h"
+#include "app/words/words.h"
 #include "sim/commands/script.h"
 #include "sim/measure/bone_outside.h"
 #include "sim/skull/bone/sorting.h"
@@ -60,7 +61,8 @@ ResultTable measure_table(std::vector<ResultMeasure>& out, const std::vector<Hea
                           HeadMeasure::Group group, const char* title, const char* about) {
   ResultTable t;
   t.title = title, t.about = about;
-  t.columns = {"figure", "before", "after", "change", "unit", "norm"};
+  t.columns = {english("figure"), english("before"), english("after"),
+               english("change"), english("unit"),   english("norm")};
   for (const HeadMeasure& m : all) {
     if (m.group != group) continue;
     out.push_back({m.name, m.unit, m.before, m.now});
@@ -77,7 +79,8 @@ void add_forehead(std::vector<ResultMeasure>& out, const Head& head, ResultTable
     return std::nullopt;
   };
   const NamedPlaces was = head.landmarks_at_rest(), is = head.landmarks_now();
-  for (const auto& [name, words] : {std::pair("F", "S-F, frontal bone"), std::pair("f'", "S-f', forehead")})
+  for (const auto& [name, words] :
+       {std::pair("F", english("S-F, frontal bone")), std::pair("f'", english("S-f', forehead"))})
     if (at(was, "S") && at(was, name)) {
       const double a = (*at(was, "S") - *at(was, name)).norm(), b = (*at(is, "S") - *at(is, name)).norm();
       out.push_back({words, "mm", a, b});
@@ -88,14 +91,15 @@ void add_forehead(std::vector<ResultMeasure>& out, const Head& head, ResultTable
 /// Which fragments fit each other by their cut rings, and for each pair the line of a script that puts it together.
 ResultTable fits(std::vector<ResultFit>& out, const Head& head) {
   ResultTable t;
-  t.title = "Fragments that fit each other";
-  t.about =
+  t.title = english("Fragments that fit each other");
+  t.about = english(
       "Found by their cut rings, wherever they lie, and verified (sim/skull/bone/sorting.h); how to move the second "
       "one so "
       "that it fits the first where that is now (one of them at a time: \"sort\" in a script puts all of them "
-      "together). Those that would have fitted are named with the reason.";
-  t.columns = {"fragments", "rings together, mm", "residual, mm", "right, mm", "forward, mm",
-               "up, mm",    "turned, degrees"};
+      "together). Those that would have fitted are named with the reason.");
+  t.columns = {english("fragments"),      english("rings together, mm"), english("residual, mm"),
+               english("right, mm"),      english("forward, mm"),        english("up, mm"),
+               english("turned, degrees")};
   if (head.bones().fragments().size() < 2) return t;
   std::vector<int32_t> ids;
   const bone::Sorting found = bone::sort_fragments(bone::pieces_of(head.bones(), &ids));
@@ -131,27 +135,28 @@ void fill_pictures(Result& r, const Head& head) {
     append(r, "/gallery", ResultPicture{std::string("head/") + file, words});
   };
   if (head.has_face()) {
-    picture("before.png", "The face before");
-    picture("after.png", "The face after");
-    picture("profile-before.png", "In profile, before: soft-tissue landmarks");
-    picture("profile-after.png", "In profile, after");
-    picture("moved.png", "How far the face has moved, in mm");
+    picture("before.png", english("The face before"));
+    picture("after.png", english("The face after"));
+    picture("profile-before.png", english("In profile, before: soft-tissue landmarks"));
+    picture("profile-after.png", english("In profile, after"));
+    picture("moved.png", english("How far the face has moved, in mm"));
   }
-  picture("bones-before.png", "The bones before");
-  picture("bones-after.png", "The bones after: cut surfaces in red");
+  picture("bones-before.png", english("The bones before"));
+  picture("bones-after.png", english("The bones after: cut surfaces in red"));
   if (head.has_face()) {
-    picture("wireframe.png", "The triangles of face and bone, after");
-    picture("anaglyph.png", "Face and bones after, for red-cyan glasses");
-    picture("through.png", "Bones through the face, after, with the landmarks on bone");
-    if (!head.tissues().empty()) picture("tissue.png", "The net of the tissue between face and bone");
+    picture("wireframe.png", english("The triangles of face and bone, after"));
+    picture("anaglyph.png", english("Face and bones after, for red-cyan glasses"));
+    picture("through.png", english("Bones through the face, after, with the landmarks on bone"));
+    if (!head.tissues().empty()) picture("tissue.png", english("The net of the tissue between face and bone"));
   }
 }
 
 ResultTable fragments(ResultHead& out, ResultBones& bones, const Head& head) {
   ResultTable t;
-  t.title = "Fragments";
-  t.about = "How far the middle of each fragment lies from where it was, and by how much it is turned.";
-  t.columns = {"fragment", "volume, cm³", "right, mm", "forward, mm", "up, mm", "distance, mm", "turned, degrees"};
+  t.title = english("Fragments");
+  t.about = english("How far the middle of each fragment lies from where it was, and by how much it is turned.");
+  t.columns = {english("fragment"), english("volume, cm³"),  english("right, mm"),      english("forward, mm"),
+               english("up, mm"),   english("distance, mm"), english("turned, degrees")};
   std::vector<ResultFragment> list;
   double most = 0;
   for (const bone::Fragment& f : head.bones().fragments()) {
@@ -169,9 +174,11 @@ ResultTable fragments(ResultHead& out, ResultBones& bones, const Head& head) {
 
 ResultTable gaps(ResultHead& out, const Head& head) {
   ResultTable t;
-  t.title = "Gaps between fragments";
-  t.about = "Between the cut surfaces of fragments that were cut from each other, or wherever two fragments overlap.";
-  t.columns = {"fragments", "gap, mean, mm", "gap, largest, mm", "overlap, deepest, mm", "overlap, mm³"};
+  t.title = english("Gaps between fragments");
+  t.about = english(
+      "Between the cut surfaces of fragments that were cut from each other, or wherever two fragments overlap.");
+  t.columns = {english("fragments"), english("gap, mean, mm"), english("gap, largest, mm"),
+               english("overlap, deepest, mm"), english("overlap, mm³")};
   for (const bone::Gap& x : head.bones().gaps()) {
     out.gaps.push_back({x.a, x.b, x.gap_mean_mm, x.gap_max_mm, x.overlap_max_mm, x.overlap_mm3});
     t.rows.push_back({name_of(head, x.a) + " - " + name_of(head, x.b), short_number(x.gap_mean_mm, 3),
@@ -183,9 +190,10 @@ ResultTable gaps(ResultHead& out, const Head& head) {
 
 ResultTable landmarks(ResultHead& out, const Head& head) {
   ResultTable t;
-  t.title = "Landmarks that moved";
-  t.about = "By more than 0.05 mm. Names with a small letter lie on the face, the others on bone.";
-  t.columns = {"landmark", "right, mm", "forward, mm", "up, mm", "distance, mm"};
+  t.title = english("Landmarks that moved");
+  t.about = english("By more than 0.05 mm. Names with a small letter lie on the face, the others on bone.");
+  t.columns = {english("landmark"), english("right, mm"), english("forward, mm"), english("up, mm"),
+               english("distance, mm")};
   std::vector<ResultHeadLandmark> list;
   for (const HeadLandmark& k : head.landmarks()) {
     const Vec3 way = head.landmark_mm(k) - k.X_mm;
@@ -202,15 +210,16 @@ void measures(ResultHead& out, std::vector<ResultTable>& tables, const Head& hea
   const std::vector<HeadMeasure> all = head_measures(head.landmarks_at_rest(), head.landmarks_now());
   using Group = HeadMeasure::Group;
   std::vector<ResultMeasure> cephalometry, asymmetry, picked;
-  tables.push_back(measure_table(
-      cephalometry, all, Group::cephalometry, "Cephalometry",
-      "Lengths in mm and angles in degrees between landmarks, in space. Names with a small letter lie on the face."));
+  tables.push_back(measure_table(cephalometry, all, Group::cephalometry, "Cephalometry",
+                                 english("Lengths in mm and angles in degrees between landmarks, in space. Names with "
+                                         "a small letter lie on the face.")));
   add_forehead(cephalometry, head, tables.back());
   tables.push_back(
-      measure_table(asymmetry, all, Group::asymmetry, "Left and right",
-                    "How far each landmark on the left is from mirroring its fellow on the right, in mm."));
-  tables.push_back(measure_table(picked, all, Group::picked, "Picked places",
-                                 "Lengths from each picked place to the next, and angles at the middle one of three."));
+      measure_table(asymmetry, all, Group::asymmetry, english("Left and right"),
+                    english("How far each landmark on the left is from mirroring its fellow on the right, in mm.")));
+  tables.push_back(
+      measure_table(picked, all, Group::picked, english("Picked places"),
+                    english("Lengths from each picked place to the next, and angles at the middle one of three.")));
   out.cephalometry = unless_empty(std::move(cephalometry));
   out.asymmetry = unless_empty(std::move(asymmetry));
   out.picked = unless_empty(std::move(picked));
@@ -218,11 +227,12 @@ void measures(ResultHead& out, std::vector<ResultTable>& tables, const Head& hea
 
 ResultTable soft_to_hard(ResultHead& out, const Head& head) {
   ResultTable t;
-  t.title = "Skin after bone";
-  t.about =
+  t.title = english("Skin after bone");
+  t.about = english(
       "How far a landmark on the skin has gone along the move of the one on bone beneath it, over that move; beside it "
-      "what papers found in patients months later.";
-  t.columns = {"skin", "bone", "bone, mm", "skin, mm", "ratio", "in patients", "source"};
+      "what papers found in patients months later.");
+  t.columns = {english("skin"),  english("bone"),        english("bone, mm"), english("skin, mm"),
+               english("ratio"), english("in patients"), english("source")};
   std::vector<ResultSoftRatio> list;
   for (const SoftRatio& r : soft_ratios(head.landmarks_at_rest(), head.landmarks_now())) {
     ResultSoftRatio x{r.soft, r.bone, r.bone_mm, r.soft_mm, r.ratio, {}, {}, {}};
@@ -244,9 +254,11 @@ ResultTable pierced(ResultHead& out, const Head& head) {
   const BoneOutside o = bone_outside(now);
   out.bone_outside = std::vector<ResultBoneOutside>{{o.depth_mm, o.area_mm2, vector_of(o.at_mm), o.object}};
   if (!(o.depth_mm > 0)) return t;
-  t.title = "Bone outside the skin";
-  t.about = "Where bone that lay under the skin before stands out of it now: the place that stands out farthest.";
-  t.columns = {"fragment", "right, mm", "forward, mm", "up, mm", "out by, mm", "area, mm²"};
+  t.title = english("Bone outside the skin");
+  t.about =
+      english("Where bone that lay under the skin before stands out of it now: the place that stands out farthest.");
+  t.columns = {english("fragment"), english("right, mm"),  english("forward, mm"),
+               english("up, mm"),   english("out by, mm"), english("area, mm²")};
   t.rows.push_back({name_of(head, o.object), tenth(o.at_mm.x()), tenth(o.at_mm.y()), tenth(o.at_mm.z()),
                     tenth(o.depth_mm), short_number(o.area_mm2, 3)});
   return t;
@@ -254,11 +266,17 @@ ResultTable pierced(ResultHead& out, const Head& head) {
 
 ResultTable tissues(ResultHead& out, const Head& head) {
   ResultTable t;
-  t.title = "Tissue between face and bone";
-  t.about =
+  t.title = english("Tissue between face and bone");
+  t.about = english(
       "What hangs between the opposite regions. Springs alone hold no shape: how many motions they leave free is "
-      "counted, and what holds these is said.";
-  t.columns = {"tissue", "mode", "layers", "stiffness, kPa", "vertices", "of the face", "what its springs leave free"};
+      "counted, and what holds these is said.");
+  t.columns = {english("tissue"),
+               english("mode"),
+               english("layers"),
+               english("stiffness, kPa"),
+               english("vertices"),
+               english("of the face"),
+               english("what its springs leave free")};
   std::vector<ResultTissue> list;
   for (const ConnectTissue& c : head.tissues()) {
     const size_t n = list.size();

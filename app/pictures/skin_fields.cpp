@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/words/words.h"
 #include "render/overlay.h"
 #include "sim/body/skin.h"
 #include "sim/measure/perfusion.h"
@@ -12,14 +13,17 @@ namespace limberg {
 
 const SkinFieldLook& look_of(SkinField field) {
   static constexpr SkinFieldLook kLooks[kSkinFields] = {
-      {"Skin", "", ""},
-      {"Tension: stretch", "Skin stretch", "% of length", ColourScale::magnitude, 1},
-      {"Least stretch", "Least stretch (below 0: folds)", "% of length", ColourScale::signed_value, 1},
-      {"Change of area", "Skin area, change", "% of before", ColourScale::signed_value, 1},
-      {"Stress", "Skin stress", "kPa", ColourScale::magnitude, 1},
-      {"Height: dog-ears", "Height over the skin before", "mm", ColourScale::signed_value, 0.5},
-      {"Displacement", "Displacement", "mm", ColourScale::magnitude, 1},
-      {"Perfusion risk", "Perfusion index (dark: at risk)", "1: attached", ColourScale::magnitude, 1}};
+      {english("Skin"), "", ""},
+      {english("Tension: stretch"), english("Skin stretch"), english("% of length"), ColourScale::magnitude, 1},
+      {english("Least stretch"), english("Least stretch (below 0: folds)"), english("% of length"),
+       ColourScale::signed_value, 1},
+      {english("Change of area"), english("Skin area, change"), english("% of before"), ColourScale::signed_value, 1},
+      {english("Stress"), english("Skin stress"), english("kPa"), ColourScale::magnitude, 1},
+      {english("Height: dog-ears"), english("Height over the skin before"), english("mm"), ColourScale::signed_value,
+       0.5},
+      {english("Displacement"), english("Displacement"), english("mm"), ColourScale::magnitude, 1},
+      {english("Perfusion risk"), english("Perfusion index (dark: at risk)"), english("1: attached"),
+       ColourScale::magnitude, 1}};
   return kLooks[size_t(field) < size_t(kSkinFields) ? size_t(field) : 0];
 }
 

@@ -7,14 +7,17 @@
 #include <string>
 #include <vector>
 
+#include "app/words/words.h"
+
 namespace limberg {
 
 /// Writes `file` from the folders of two runs (names: report_names.h) and returns it. InputError as write_report.
-std::string write_comparison(const std::string& dir_a, const std::string& dir_b, const std::string& file);
+std::string write_comparison(const std::string& dir_a, const std::string& dir_b, const std::string& file,
+                             const Words& words = {});
 
 /// The same as text; the texts are those of result.json.
 std::string comparison_html(const std::string& json_a, const std::string& dir_a, const std::string& json_b,
-                            const std::string& dir_b);
+                            const std::string& dir_b, const Words& words = {});
 
 /// One line of a difference of two texts: ' ' in both, '-' only in the first, '+' only in the second.
 struct LineChange {

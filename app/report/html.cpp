@@ -53,7 +53,9 @@ std::string number(double value, int digits) {
 
 std::string quantity(const std::optional<double>& value, std::string_view unit, int digits) {
   if (!value || !std::isfinite(*value)) return "–";
-  return number(*value, digits) + (unit.empty() ? "" : "\u202f") + std::string(unit);
+  if (unit == "degrees" || unit == "deg") unit = "°";
+  if (unit == "mm2") unit = "mm²";
+  return number(*value, digits) + (unit.empty() || unit == "°" ? "" : "\u202f") + std::string(unit);
 }
 
 std::string base64(std::string_view bytes) {

@@ -9,7 +9,7 @@ namespace limberg::html {
 /// `digits` significant digits without needless zeros; powers of ten outside 1e-3 .. 1e6, written 3.2 × 10⁻⁵.
 std::string number(double value, int digits = 3);
 
-/// The number with a thin space and its unit; a dash when there is none.
+/// The number with a thin space and its unit, of degrees without; a dash when there is none.
 std::string quantity(const std::optional<double>& value, std::string_view unit, int digits = 3);
 
 std::string base64(std::string_view bytes);

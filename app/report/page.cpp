@@ -3,13 +3,14 @@
 #include <fmt/format.h>
 
 #include "app/report/style.h"
+#include "app/words/typeset.h"
 
 namespace limberg {
 
 namespace {
 
 constexpr const char* kTemplate = R"html(<!DOCTYPE html>
-<html xmlns="http://www.w3.org/1999/xhtml" lang="en">
+<html xmlns="http://www.w3.org/1999/xhtml" lang="{language}">
 <head>
 <meta charset="utf-8"/>
 <meta name="viewport" content="width=device-width, initial-scale=1"/>
@@ -31,10 +32,11 @@ constexpr const char* kTemplate = R"html(<!DOCTYPE html>
 }  // namespace
 
 std::string text_of(const Page& p) {
-  return fmt::format(kTemplate, fmt::arg("title", html::escape(p.title)), fmt::arg("style", report_style),
-                     fmt::arg("heading", p.heading.tags()), fmt::arg("opening", p.opening.tags()),
-                     fmt::arg("summary", p.summary.tags()), fmt::arg("sections", p.sections.tags()),
-                     fmt::arg("footer", p.footer.tags()),
+  const auto typeset = [&](const html::Markup& m) { return typeset_page(m.tags(), p.w.decimal()); };
+  return fmt::format(kTemplate, fmt::arg("language", p.w.language()), fmt::arg("title", html::escape(p.title)),
+                     fmt::arg("style", report_style), fmt::arg("heading", typeset(p.heading)),
+                     fmt::arg("opening", typeset(p.opening)), fmt::arg("summary", typeset(p.summary)),
+                     fmt::arg("sections", typeset(p.sections)), fmt::arg("footer", p.footer.tags()),
                      fmt::arg("scripts", p.nonce.empty() ? "" : "; script-src 'nonce-" + html::escape(p.nonce) + "'"));
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "app/report/markup.h"
+#include "app/words/words.h"
 
 namespace limberg {
 
@@ -15,6 +16,7 @@ struct Page {
   html::Markup sections;
   html::Markup footer;  // what made it
   std::string nonce{};  // of the scripts that may run; empty: none may
+  Words w{};            // its language
 };
 
 std::string text_of(const Page& page);

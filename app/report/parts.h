@@ -6,6 +6,7 @@
 #include "app/report/elements.h"
 #include "app/report/report_data.h"
 #include "app/report/svg_chart.h"
+#include "app/words/words.h"
 #include "sim/measure/table.h"
 
 namespace limberg {
@@ -26,6 +27,8 @@ std::string title_of(const ReportData& d);
 std::string capital(std::string words);
 /// A name of a figure in words: its unit in brackets, a point between digits.
 std::string spoken(std::string name);
+/// The same in the words of a page: of a tolerance of a lesson and of a measure those that it has, else as above.
+std::string name_in_words(const std::string& name, const Words& words);
 /// What there is of them, with `between` between two.
 std::string joined(const std::vector<std::string>& words, const char* between);
 
@@ -43,7 +46,7 @@ struct LaneOfReport {
 std::vector<LaneOfReport> lanes_of(const ReportData& d);
 
 /// A chart that a command left, with its title.
-html::Markup chart_of(const ResultChart& chart);
+html::Markup chart_of(const ResultChart& chart, const Words& words);
 /// The stages of the operation on an axis of time.
 std::vector<ChartMark> stage_marks(const ReportData& d);
 /// What was asked of a study or a bench, and whether it was met.

@@ -19,9 +19,9 @@ namespace {
 
 std::string page(const ReportSource& source) {
   const std::string title = title_of(source.d);
-  const Viewer turned = viewer({{title, source.dir}});
+  const Viewer turned = viewer({{title, source.dir}}, source.d.w);
   return text_of({title, title, sections::opening(source), sections::summary(source),
-                  turned.section + sections::all(source), sections::footer(source), turned.nonce});
+                  turned.section + sections::all(source), sections::footer(source), turned.nonce, source.d.w});
 }
 
 }  // namespace
@@ -35,13 +35,13 @@ std::string read_result_file(const std::string& dir) {
   return read_whole_file(result_file(dir), size_t(256) << 20, "the result of a run");
 }
 
-std::string report_html(const std::string& result_json, const std::string& dir) {
-  const ReportData d = read_report_data(result_json, result_file(dir));
+std::string report_html(const std::string& result_json, const std::string& dir, const Words& w) {
+  const ReportData d = read_report_data(result_json, result_file(dir), w);
   return page({d, dir});
 }
 
-std::string write_report(const std::string& dir) {
-  const std::string text = report_html(read_result_file(dir), dir),
+std::string write_report(const std::string& dir, const Words& w) {
+  const std::string text = report_html(read_result_file(dir), dir, w),
                     target = (fs::path(dir) / report_names::html).string();
   write_whole_file(target, text);
   return target;

@@ -50,10 +50,28 @@ void read_study(const Json& j, ReportData& d) {
     }
 }
 
+/// "Excision, undermining and sutures", kind by kind.
+std::string title_in(const Words& w, std::string title) {
+  if (w.language() == "en" || title.empty()) return title;
+  std::vector<std::string> kinds;
+  title[0] = char(std::tolower(title[0]));
+  for (size_t at = 0; at < title.size();) {
+    const size_t comma = title.find(", ", at), last = title.find(" and ", at),
+                 end = std::min({comma, last, title.size()});
+    kinds.push_back(w(title.substr(at, end - at)));
+    at = end + (end == title.size() ? 0 : end == comma ? 2 : 5);
+    if (end == title.size()) break;
+  }
+  std::string all = kinds[0];
+  for (size_t i = 1; i < kinds.size(); ++i)
+    all = i + 1 < kinds.size() ? all + ", " + kinds[i] : w("{} and {}", all, kinds[i]);
+  return all;
+}
+
 /// A stage without words of its own says what the script did since the stage before.
 void tell_stages(ReportData& d) {
   const std::vector<Command> acts = acts_of(d.script);
-  d.acts_title = title_of_acts(acts);
+  d.acts_title = title_in(d.w, title_of_acts(acts));
   const auto words_of = stage_words(acts);
   for (size_t i = 0; i < std::min(d.stages.size(), words_of.size()); ++i)
     if (d.stages[i].caption.empty() && d.stages[i].name == words_of[i].first) d.stages[i].caption = words_of[i].second;
@@ -102,9 +120,10 @@ void read_balance(const Json& j, ReportData& d) {
 
 }  // namespace
 
-ReportData read_report_data(const std::string& text, const std::string& file) {
+ReportData read_report_data(const std::string& text, const std::string& file, const Words& words_of_page) {
   const Json j = parse(text, file);
   ReportData d;
+  d.w = words_of_page;
   read(j, static_cast<ResultOrigin&>(d));
   if (const Json& program = member(j, "limberg"); program.is_string()) d.limberg.version = words(program);
   read(j, static_cast<ResultRun&>(d));

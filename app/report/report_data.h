@@ -9,11 +9,13 @@
 
 #include "app/result/run_result.h"
 #include "app/result/uncertainty_result.h"
+#include "app/words/words.h"
 
 namespace limberg {
 
 /// residual, distance_mm: of a session its solver's.
 struct ReportData : ResultOrigin, ResultRun {
+  Words w;  // that it is told in; the texts here are those of the result, in English
   std::map<std::string, double> lattice_numbers, metrics;  // every number in `lattice`, in `metrics`
   ResultPatient patient;
   std::vector<ResultStage> stages;
@@ -53,6 +55,6 @@ struct ReportData : ResultOrigin, ResultRun {
 };
 
 /// InputError (file, line) when the text is not JSON or not an object.
-ReportData read_report_data(const std::string& json_text, const std::string& file);
+ReportData read_report_data(const std::string& json_text, const std::string& file, const Words& words = {});
 
 }  // namespace limberg

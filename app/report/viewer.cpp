@@ -65,6 +65,44 @@ std::string colours(ColourScale scale) {
   return s;
 }
 
+/// What viewer.js says.
+constexpr const char* kViewerTexts[] = {
+    english(
+        "The patient in three dimensions. Arrow keys turn, with Shift they move; plus and minus bring it nearer and "
+        "farther; Home goes back to the first view; Page Up and Page Down go from act to act; the space bar plays."),
+    english("Time of the operation"),
+    english("Stages"),
+    english("Colours"),
+    english("As it looks"),
+    english("Face"),
+    english("see through"),
+    english("solid"),
+    english("hidden"),
+    english("Forces of the stitches"),
+    english("First view"),
+    english(
+        "Drag to turn, with two fingers or the right button to move, pinch or use the wheel (after a click) to come "
+        "nearer. Keys: arrows, + and −, Home, Page Up and Page Down, space."),
+    english("Before the first act"),
+    english("act {} of {}"),
+    english("Pause"),
+    english("Play"),
+    english("This browser cannot show the model ({}); the pictures show the operation.")};
+
+/// Names and acts in a model that was found whole.
+void tell_texts_of(const std::string& glb, const std::function<void(const std::string&)>& tell) {
+  using result_json::member;
+  uint32_t length = 0;
+  std::memcpy(&length, glb.data() + 12, 4);
+  const ModelJson j = ModelJson::parse(glb.substr(20, length), nullptr, false);
+  const ModelJson& told = member(member(j, "asset"), "extras");
+  for (const auto& [list, keys] : {std::pair("acts", std::vector<const char*>{"words"}),
+                                   std::pair("fields", std::vector<const char*>{"name", "title", "unit"})})
+    for (const ModelJson& entry : member(told, list))
+      for (const char* key : keys)
+        if (const ModelJson& text = member(entry, key); text.is_string()) tell(text.get<std::string>());
+}
+
 std::string script(const std::string& attributes, const std::string& text) {
   return "<script" + attributes + ">" + text + "</script>\n";
 }
@@ -105,15 +143,22 @@ std::string packed_model(const std::string& glb, const std::string& file) {
   return gzip(packed);
 }
 
-Viewer viewer(const std::vector<ViewedOperation>& operations) {
+Viewer viewer(const std::vector<ViewedOperation>& operations, const Words& w) {
   Viewer out;
   if (!viewer_is_built()) return out;
   std::vector<std::pair<std::string, std::string>> models;  // name, base64
+  ModelJson words = ModelJson::object();  // of the viewer and of the models, where they are not English
+  const auto tell = [&](const std::string& text) {
+    if (const std::string s = w.said(text); w.language() != "en" && s != text) words[text] = s;
+  };
+  for (const char* text : kViewerTexts) tell(text);
   Hash64 hash;
   for (const ViewedOperation& o : operations) {
     const std::string file = (std::filesystem::path(o.dir) / report_names::model).string();
     try {
-      models.emplace_back(o.name, html::base64(packed_model(read_whole_file(file, kMostModel, "a model"), file)));
+      const std::string glb = read_whole_file(file, kMostModel, "a model");
+      models.emplace_back(o.name, html::base64(packed_model(glb, file)));
+      if (w.language() != "en") tell_texts_of(glb, tell);
     } catch (const InputError&) {
       continue;  // none, or damaged: the page is complete without
     }
@@ -123,14 +168,18 @@ Viewer viewer(const std::vector<ViewedOperation>& operations) {
   out.nonce = fmt::format("{:016x}", hash.value());
   const std::string allowed = " nonce=\"" + out.nonce + "\"";
   ModelJson setup{
+      {"words", std::move(words)},
+      {"decimal", std::string(1, w.decimal())},
       {"warn_N", kSutureForce_N.warn},
       {"bad_N", kSutureForce_N.bad},
       {"colours", {{"magnitude", colours(ColourScale::magnitude)}, {"signed", colours(ColourScale::signed_value)}}}};
   std::string tags =
-      "<style>" + std::string(viewer_css_text) +
-      "</style>\n<section id=\"viewer\" hidden=\"hidden\">\n<h2>The operation, to turn and to play</h2>\n</section>\n"
-      "<noscript><p class=\"note\">With scripts, this page also shows the patient to be turned and "
-      "played. The pictures show the same operation.</p></noscript>\n";
+      "<style>" + std::string(viewer_css_text) + "</style>\n<section id=\"viewer\" hidden=\"hidden\">\n<h2>" +
+      html::escape(w("The operation, to turn and to play")) + "</h2>\n</section>\n<noscript><p class=\"note\">" +
+      html::escape(
+          w("With scripts, this page also shows the patient to be turned and played. The pictures show the same "
+            "operation.")) +
+      "</p></noscript>\n";
   for (const auto& [name, model] : models)
     tags += script(" type=\"application/x-limberg-model\" data-model=\"" + html::escape(name) + "\"", model);
   tags += script(" type=\"application/json\" id=\"viewer-setup\"", setup.dump());

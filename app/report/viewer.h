@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/report/markup.h"
+#include "app/words/words.h"
 
 namespace limberg {
 
@@ -24,7 +25,7 @@ struct Viewer {
   html::Markup section;  // nothing where none of the folders has a model, or the build no viewer
   std::string nonce;     // of its scripts: no other runs in the page
 };
-Viewer viewer(const std::vector<ViewedOperation>& operations);
+Viewer viewer(const std::vector<ViewedOperation>& operations, const Words& words = {});
 
 /// A model packed for a page. InputError (`file`): it is none.
 std::string packed_model(const std::string& glb, const std::string& file);

@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <string>
 
+#include "app/words/words.h"
+
 namespace limberg {
 
 class PaceWatch {
@@ -26,13 +28,13 @@ class PaceWatch {
       const bool longer = now_ms - fell_at_ >= kAfter_ms, worse = worst_ms_ >= 2 * said_ms_;
       if (!longer || (behind_ && (!worse || now_ms - said_at_ < 2 * kAgainAfter_ms))) return "";
       behind_ = true, said_at_ = now_ms, said_ms_ = worst_ms_;
-      return fmt::format("the patient is {} ms behind your hand", worst_ms_);
+      return fmt::format(english("the patient is {} ms behind your hand"), worst_ms_);
     }
     if (!behind_) fell_at_ = -1;
     if (behind_ms >= kKeepsUp_ms) kept_up_since_ = now_ms;
     if (!behind_ || now_ms - kept_up_since_ < kAgainAfter_ms) return "";
     behind_ = false, fell_at_ = -1, said_ms_ = 0;
-    return "the patient keeps up with your hand again";
+    return english("the patient keeps up with your hand again");
   }
   bool behind() const { return behind_; }
 
@@ -54,9 +56,11 @@ class SlowWatch {
     if (said_at_ms_ >= 0 && now_ms - said_at_ms_ < kAgainAfter_ms) return "";
     said_at_ms_ = now_ms;
     said_ = slowed ? pace : 1;
-    return slowed ? words(pace) : "in real time again";
+    return slowed ? words(pace) : english("in real time again");
   }
-  static std::string words(double pace) { return fmt::format("slowed: {:.1f} of real time", std::min(pace, 0.9)); }
+  static std::string words(double pace) {
+    return fmt::format(english("slowed: {:.1f} of real time"), std::min(pace, 0.9));
+  }
 
  private:
   double said_ = 1;

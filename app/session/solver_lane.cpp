@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "app/session/clock.h"
+#include "app/words/words.h"
 #include "devices/rigid_grip.h"
 #include "sim/base/hash.h"
 #include "sim/commands/script.h"
@@ -268,12 +269,13 @@ void SolverLane::notify_dropped(const ToolEvent& e, int64_t tick) {
   n.kind = Notice::dropped;
   n.t_s = seconds(tick);
   const bool stroke = e.kind == ToolEvent::stroke_end, row = sews_along(Tool(e.tool));
-  Notice::put(n.text,
-              !stroke || row
-                  ? "the row is given up: its second edge was not drawn; draw along both edges, one after the other"
-              : Tool(e.tool) == Tool::saw
-                  ? "the line on the bone is too short, or does not close; draw once round, with the button held"
-                  : "the stroke was too short to be a cut; hold the button and draw from one end to the other");
+  Notice::put(
+      n.text,
+      !stroke || row
+          ? english("the row is given up: its second edge was not drawn; draw along both edges, one after the other")
+      : Tool(e.tool) == Tool::saw
+          ? english("the line on the bone is too short, or does not close; draw once round, with the button held")
+          : english("the stroke was too short to be a cut; hold the button and draw from one end to the other"));
   ch_.notices.push(n);
 }
 

@@ -59,21 +59,23 @@ double angle_at(const ChartPoint& a, const ChartPoint& b, const ChartPoint& c) {
 }
 
 std::string at_letter(const LessonPlan& plan, const ChartPoint& p) {
-  const std::string near = near_letter(plan.letters, p);
-  return near.empty() ? "" : " at " + near;
+  const std::string near = near_letter(plan.letters, p, plan.w);
+  return near.empty() ? "" : " " + plan.w("at {}", near);
 }
 
-void add_depth_and_blade(Offs& offs, const DrawnLine& want, const DrawnLine& got, bool blade) {
+void add_depth_and_blade(Offs& offs, const Words& w, const DrawnLine& want, const DrawnLine& got, bool blade) {
   const double deeper = got.depth_mm - want.depth_mm;
-  offs.push_back({Off::depth, std::abs(deeper), kDepth_mm,
-                  fmt::format("{:.1f} mm {} than planned ({:.3g} mm): set the depth at the tool", std::abs(deeper),
-                              deeper > 0 ? "deeper" : "shallower", want.depth_mm)});
+  offs.push_back(
+      {Off::depth, std::abs(deeper), kDepth_mm,
+       deeper > 0
+           ? w("{:.1f} mm deeper than planned ({:.3g} mm): set the depth at the tool", deeper, want.depth_mm)
+           : w("{:.1f} mm shallower than planned ({:.3g} mm): set the depth at the tool", -deeper, want.depth_mm)});
   if (!blade) return;
   const double leans = got.angle_deg - want.angle_deg;
-  offs.push_back(
-      {Off::blade, std::abs(leans), kBlade_deg,
-       fmt::format("the blade leans {:.0f}°: hold it {}", std::abs(leans),
-                   std::abs(want.angle_deg - 90) < 1 ? "upright" : fmt::format("at {:.0f}°", want.angle_deg))});
+  offs.push_back({Off::blade, std::abs(leans), kBlade_deg,
+                  std::abs(want.angle_deg - 90) < 1
+                      ? w("the blade leans {:.0f}°: hold it upright", std::abs(leans))
+                      : w("the blade leans {:.0f}°: hold it at {:.0f}°", std::abs(leans), want.angle_deg)});
 }
 
 /// Inner corners of what was planned against the drawn corner nearest to each.
@@ -94,7 +96,7 @@ void add_angles(Offs& offs, const LessonPlan& plan, const DrawnLine& want, const
                  drawn = angle_at(d[(k + m - 1) % m], d[k], d[(k + 1) % m]);
     if (const double off = std::abs(planned - drawn); off > worst.value)
       worst.value = off,
-      worst.words = fmt::format("the angle{} is {:.0f}°, planned {:.0f}°", at_letter(plan, w[i]), drawn, planned);
+      worst.words = plan.w("the angle{} is {:.0f}°, planned {:.0f}°", at_letter(plan, w[i]), drawn, planned);
   }
   if (worst.value > 0) offs.push_back(worst);
 }
@@ -113,22 +115,22 @@ std::optional<Offs> cut_against(const LessonPlan& plan, const DrawnLine& want, c
   if (!want.closed) {
     const ChartPoint missed = missing.at;
     const std::string towards = at_letter(plan, missed);
-    offs.push_back(
-        {Off::length, std::abs(short_mm), may_mm,
-         short_mm > 0 ? fmt::format("{:.0f} mm too short ({:.0f} of {:.0f} mm): the end{} is missing", short_mm,
-                                    drawn_mm, long_mm, towards)
-                      : fmt::format("{:.0f} mm too long ({:.0f} instead of {:.0f} mm)", -short_mm, drawn_mm, long_mm)});
+    offs.push_back({Off::length, std::abs(short_mm), may_mm,
+                    short_mm > 0
+                        ? plan.w("{:.0f} mm too short ({:.0f} of {:.0f} mm): the end{} is missing", short_mm, drawn_mm,
+                                 long_mm, towards)
+                        : plan.w("{:.0f} mm too long ({:.0f} instead of {:.0f} mm)", -short_mm, drawn_mm, long_mm)});
   }
   offs.push_back({Off::line, off_line.most, plan.within.corner_mm,
-                  fmt::format("{:.1f} mm beside the line{}", off_line.most, at_letter(plan, off_line.at))});
+                  plan.w("{:.1f} mm beside the line{}", off_line.most, at_letter(plan, off_line.at))});
   Off corner{Off::corner, 0, plan.within.corner_mm, ""};
   const std::vector<ChartPoint> corners = want.closed ? corners_of_outline(want.path) : corners_of_path(want.path);
   for (const ChartPoint& c : corners)
     if (const double d = distance_to_line(got.path, got.closed, c); d > corner.value && !is_short)
-      corner.value = d, corner.words = fmt::format("{:.1f} mm off{}", d, at_letter(plan, c));
+      corner.value = d, corner.words = plan.w("{:.1f} mm off{}", d, at_letter(plan, c));
   if (corner.value > 0) offs.push_back(corner);
   add_angles(offs, plan, want, got);
-  add_depth_and_blade(offs, want, got, blade);
+  add_depth_and_blade(offs, plan.w, want, got, blade);
   return offs;
 }
 
@@ -140,20 +142,21 @@ std::optional<Offs> pocket_against(const LessonPlan& plan, const DrawnLine& want
   Offs offs;
   if (share < 1)
     offs.push_back({Off::area, 1 - share, 0.3,
-                    fmt::format("{:.0f} % of the planned pocket is free: undermine further{}", 100 * share,
-                                at_letter(plan, under.at))});
+                    plan.w("{:.0f} % of the planned pocket is free: undermine further{}", 100 * share,
+                           at_letter(plan, under.at))});
   else
     offs.push_back({Off::area, share - 1, 0.5,
-                    fmt::format("{:.0f} % wider than planned: each mm costs blood supply", 100 * (share - 1))});
+                    plan.w("{:.0f} % wider than planned: each mm costs blood supply", 100 * (share - 1))});
   offs.push_back({Off::line, over.most, kPocket_mm + 2 * plan.within.corner_mm,
-                  fmt::format("{:.0f} mm beside the green line", over.most)});
-  add_depth_and_blade(offs, want, got, false);
+                  plan.w("{:.0f} mm beside the green line", over.most)});
+  add_depth_and_blade(offs, plan.w, want, got, false);
   return offs;
 }
 
-std::optional<Offs> place_against(double far_mm, double may_mm, double attempt_mm, const std::string& words) {
+/// `from_there`: "{:.0f} mm from where it was planned", in words.
+std::optional<Offs> place_against(double far_mm, double may_mm, double attempt_mm, const std::string& from_there) {
   if (!(far_mm < attempt_mm)) return std::nullopt;
-  return Offs{{Off::place, far_mm, may_mm, fmt::format("{:.0f} mm from {}", far_mm, words)}};
+  return Offs{{Off::place, far_mm, may_mm, from_there}};
 }
 
 double ends_apart(const std::vector<ChartPoint>& p, const std::vector<ChartPoint>& q) {
@@ -164,7 +167,7 @@ std::vector<ChartPoint> turned(std::vector<ChartPoint> p) {
   return p;
 }
 
-std::optional<Offs> row_against(const SutureRow& want, const SutureRow& got) {
+std::optional<Offs> row_against(const Words& w, const SutureRow& want, const SutureRow& got) {
   if (want.a.empty() || want.b.empty() || got.a.empty() || got.b.empty()) return std::nullopt;
   double far = 1e9;
   for (const bool swap : {false, true})
@@ -173,12 +176,12 @@ std::optional<Offs> row_against(const SutureRow& want, const SutureRow& got) {
       far = std::min(far, std::max(ends_apart(want.a, turn ? turned(a) : a), ends_apart(want.b, turn ? turned(b) : b)));
     }
   constexpr double kRow_mm = 4;
-  auto offs = place_against(far, kRow_mm, 12, "where the row was planned");
+  auto offs = place_against(far, kRow_mm, 12, w("{:.0f} mm from where the row was planned", far));
   if (!offs) return offs;
   const double wider = got.spacing_mm / want.spacing_mm - 1;
-  offs->push_back({Off::spacing, std::max(0.0, wider), 0.5,
-                   fmt::format("stitches every {:.1f} mm, planned {:.1f} mm: the edges gape between them",
-                               got.spacing_mm, want.spacing_mm)});
+  offs->push_back(
+      {Off::spacing, std::max(0.0, wider), 0.5,
+       w("stitches every {:.1f} mm, planned {:.1f} mm: the edges gape between them", got.spacing_mm, want.spacing_mm)});
   return offs;
 }
 
@@ -188,17 +191,18 @@ double most_apart(const std::vector<Vec3>& p, const std::vector<Vec3>& q) {
   return far;
 }
 /// Acts whose places are in space: place by place, in either direction.
-std::optional<Offs> in_space_against(std::vector<Vec3> want, const std::vector<Vec3>& got, double may_mm,
-                                     const std::string& words) {
+std::optional<Offs> in_space_against(const Words& w, std::vector<Vec3> want, const std::vector<Vec3>& got,
+                                     double may_mm) {
   if (want.size() != got.size()) return std::nullopt;
   const double one_way = most_apart(want, got);
   std::reverse(want.begin(), want.end());
-  return place_against(std::min(one_way, most_apart(want, got)), may_mm, 12, words);
+  const double far = std::min(one_way, most_apart(want, got));
+  return place_against(far, may_mm, 12, w("{:.0f} mm from where it was planned", far));
 }
 
 Vec3 way_of(const RigidMove& by, const Vec3& at) { return isometry(by, at) * at - at; }
 
-std::optional<Offs> bone_against(const HeadCommand& want, const HeadCommand& got) {
+std::optional<Offs> bone_against(const Words& w, const HeadCommand& want, const HeadCommand& got) {
   const auto* cut = std::get_if<CutBone>(&want);
   const auto* blade = std::get_if<CutBoneByBlade>(&want);
   if (cut || blade) {
@@ -222,7 +226,7 @@ std::optional<Offs> bone_against(const HeadCommand& want, const HeadCommand& got
       most = std::max(most, d);
     }
     if (most > 40) return std::nullopt;
-    return Offs{{Off::line, most, kSaw_mm, fmt::format("{:.0f} mm beside the line on the bone", most)}};
+    return Offs{{Off::line, most, kSaw_mm, w("{:.0f} mm beside the line on the bone", most)}};
   }
   const auto* move = std::get_if<MoveFragment>(&want);
   if (!move) return want.index() == got.index() ? std::optional(Offs{}) : std::nullopt;
@@ -235,16 +239,17 @@ std::optional<Offs> bone_against(const HeadCommand& want, const HeadCommand& got
   else
     return std::nullopt;
   const Vec3 off = done - planned;
-  const auto part = [](double mm, const char* to, const char* from) {
-    return std::abs(mm) < 0.5 ? std::string() : fmt::format(" {:.1f} mm too far {},", std::abs(mm), mm > 0 ? to : from);
+  std::string parts;
+  const auto part = [&](double mm, const char* to, const char* from) {
+    if (std::abs(mm) < 0.5) return;
+    parts += (parts.empty() ? "" : ", ") + w("{:.1f} mm too far {}", std::abs(mm), w(mm > 0 ? to : from));
   };
-  std::string words = "the piece went" + part(off.y(), "forwards", "back") + part(off.z(), "up", "down") +
-                      part(off.x(), "to the right", "to the left");
-  if (words.back() == ',') words.pop_back();
-  return Offs{
-      {Off::way, off.norm(), kPiece_mm, words},
-      {Off::angle, (turned - move->by.rotation_deg).norm(), kTurn_deg,
-       fmt::format("the piece is turned by {:.0f}°, planned {:.0f}°", turned.norm(), move->by.rotation_deg.norm())}};
+  part(off.y(), english("forwards"), english("back")), part(off.z(), english("up"), english("down"));
+  part(off.x(), english("to the right"), english("to the left"));
+  const std::string words = w("the piece went {}", parts);
+  return Offs{{Off::way, off.norm(), kPiece_mm, words},
+              {Off::angle, (turned - move->by.rotation_deg).norm(), kTurn_deg,
+               w("the piece is turned by {:.0f}°, planned {:.0f}°", turned.norm(), move->by.rotation_deg.norm())}};
 }
 
 }  // namespace
@@ -296,6 +301,7 @@ std::string gentle_word(const Offs& offs) {
 
 std::optional<Offs> against(const LessonPlan& plan, const PlannedAct& planned, const Command& done) {
   if (planned.command.index() != done.index()) return std::nullopt;
+  const Words& w = plan.w;
   std::optional<Offs> offs;
   if (const auto want = drawn_line(planned.command)) {
     const auto got = drawn_line(done);
@@ -303,25 +309,25 @@ std::optional<Offs> against(const LessonPlan& plan, const PlannedAct& planned, c
                ? pocket_against(plan, *want, *got)
                : cut_against(plan, *want, *got, std::holds_alternative<Incise>(done));
   } else if (const auto* h = std::get_if<SetHook>(&planned.command)) {
-    offs = place_against((std::get<SetHook>(done).at - h->at).norm(), kHook_mm, 15, "where the hook was planned");
+    const double far = (std::get<SetHook>(done).at - h->at).norm();
+    offs = place_against(far, kHook_mm, 15, w("{:.0f} mm from where the hook was planned", far));
   } else if (const auto* m = std::get_if<MoveHook>(&planned.command)) {
-    offs =
-        place_against((std::get<MoveHook>(done).to_mm - m->to_mm).norm(), kCarried_mm, 30, "where the hook should be");
+    const double far = (std::get<MoveHook>(done).to_mm - m->to_mm).norm();
+    offs = place_against(far, kCarried_mm, 30, w("{:.0f} mm from where the hook should be", far));
   } else if (const auto* s = std::get_if<Suture>(&planned.command)) {
     const Suture& d = std::get<Suture>(done);
     const double far = std::min(std::max((d.a - s->a).norm(), (d.b - s->b).norm()),
                                 std::max((d.a - s->b).norm(), (d.b - s->a).norm()));
-    offs = place_against(far, kBite_mm, 9, "where the stitch was planned");
+    offs = place_against(far, kBite_mm, 9, w("{:.0f} mm from where the stitch was planned", far));
   } else if (const auto* r = std::get_if<SutureRow>(&planned.command)) {
-    offs = row_against(*r, std::get<SutureRow>(done));
+    offs = row_against(w, *r, std::get<SutureRow>(done));
   } else if (const auto* k = std::get_if<CutThrough>(&planned.command)) {
-    offs = in_space_against(k->path, std::get<CutThrough>(done).path, plan.within.corner_mm, "where it was planned");
+    offs = in_space_against(w, k->path, std::get<CutThrough>(done).path, plan.within.corner_mm);
   } else if (const auto* x = std::get_if<InSpace>(&planned.command)) {
     const InSpace& d = std::get<InSpace>(done);
-    if (x->act.index() == d.act.index())
-      offs = in_space_against(places_of(*x), places_of(d), kBite_mm, "where it was planned");
+    if (x->act.index() == d.act.index()) offs = in_space_against(w, places_of(*x), places_of(d), kBite_mm);
   } else if (const auto* b = std::get_if<HeadCommand>(&planned.command)) {
-    offs = bone_against(*b, std::get<HeadCommand>(done));
+    offs = bone_against(w, *b, std::get<HeadCommand>(done));
   } else {
     offs = Offs{};
   }
@@ -333,17 +339,18 @@ std::optional<Offs> against(const LessonPlan& plan, const PlannedAct& planned, c
 std::vector<LiveRow> live_rows(const LessonPlan& plan, const PlannedAct& planned, const LiveStroke& stroke) {
   const auto want = drawn_line(planned.command);
   if (!want || stroke.path.size() < 2) return {};
+  const Words& w = plan.w;
   const bool pocket = std::holds_alternative<Undermine>(planned.command);
   const double line_mm = pocket ? kPocket_mm + 2 * plan.within.corner_mm : plan.within.corner_mm;
   const double whole = path_length(want->path) + (want->closed ? (want->path.front() - want->path.back()).norm() : 0),
                drawn = path_length(stroke.path);
   std::vector<LiveRow> rows;
   rows.push_back(
-      {"length", fmt::format("{:.0f} of {:.0f} mm", drawn, whole),
+      {w("length"), w("{:.0f} of {:.0f} mm", drawn, whole),
        std::max(0.0, drawn - whole) / std::max(plan.within.corner_mm, 0.01 * plan.within.limb_percent * whole)});
   double most = 0;
   for (const ChartPoint& p : stroke.path) most = std::max(most, distance_to_line(want->path, want->closed, p));
-  rows.push_back({"line", fmt::format("{:.1f} mm beside", most), most / line_mm});
+  rows.push_back({w("line"), w("{:.1f} mm beside", most), most / line_mm});
   // The direction of the last 4 mm against that of the nearest planned edge, either way round.
   const ChartPoint tip = stroke.path.back();
   size_t back = stroke.path.size() - 1;
@@ -359,14 +366,14 @@ std::vector<LiveRow> live_rows(const LessonPlan& plan, const PlannedAct& planned
       if (d < best)
         best = d, off = std::acos(std::min(1.0, std::abs(heading.dot((b - a).normalized())))) * 180 / std::numbers::pi;
     }
-    rows.push_back({"direction", fmt::format("{:.0f}° off", off), off / (2 * plan.within.angle_deg)});
+    rows.push_back({w("direction"), w("{:.0f}° off", off), off / (2 * plan.within.angle_deg)});
   }
   if (stroke.depth_mm)
-    rows.push_back({"depth", fmt::format("{:.1f} of {:.1f} mm", *stroke.depth_mm, want->depth_mm),
+    rows.push_back({w("depth"), w("{:.1f} of {:.1f} mm", *stroke.depth_mm, want->depth_mm),
                     std::abs(*stroke.depth_mm - want->depth_mm) / kDepth_mm});
   if (stroke.angle_deg && std::holds_alternative<Incise>(planned.command))
-    rows.push_back({"blade", fmt::format("{:.0f}°", *stroke.angle_deg),
-                    std::abs(*stroke.angle_deg - want->angle_deg) / kBlade_deg});
+    rows.push_back(
+        {w("blade"), w("{:.0f}°", *stroke.angle_deg), std::abs(*stroke.angle_deg - want->angle_deg) / kBlade_deg});
   return rows;
 }
 

@@ -44,8 +44,10 @@ bool crosses(const std::vector<ChartPoint>& path, bool closed, const std::vector
   return false;
 }
 
-std::string lower(std::string s) {
-  if (s.size() > 1 && s[0] >= 'A' && s[0] <= 'Z' && !(s[1] >= 'A' && s[1] <= 'Z')) s[0] = char(s[0] - 'A' + 'a');
+/// For the middle of a sentence; only English writes its first letter small there.
+std::string lower(std::string s, const Words& w) {
+  if (w.language() == "en" && s.size() > 1 && s[0] >= 'A' && s[0] <= 'Z' && !(s[1] >= 'A' && s[1] <= 'Z'))
+    s[0] = char(s[0] - 'A' + 'a');
   if (!s.empty() && s.back() == '.') s.pop_back();
   return s;
 }
@@ -75,7 +77,8 @@ void Coach::answer(int number) {
   if (!says_.question || number < 1 || number > int(says_.question->answers.size())) return;
   const LessonQuestion& q = *says_.question;
   answers_[says_.step] = number;
-  says_.answer = (number == q.right ? "Right. " : "Not quite: " + q.answers[size_t(q.right - 1)] + ". ") + q.because;
+  says_.answer = number == q.right ? plan_.w("Right. {}", q.because)
+                                   : plan_.w("Not quite: {}. {}", q.answers[size_t(q.right - 1)], q.because);
   active_s_ = t_s_;
   tell_state();
 }
@@ -84,15 +87,15 @@ void Coach::hear(const Notice& n) {
   t_s_ = std::max(t_s_, n.t_s), active_s_ = t_s_;
   if (n.kind == Notice::dropped) {
     ++missed_;
-    std::string word = n.text.data();
+    std::string word = plan_.w.said(n.text.data());
     if (!word.empty()) word[0] = char(std::toupper(word[0])), word += '.';
     return say(word);
   }
   if (!n.command) return;
   if (n.kind == Notice::refused) {
-    if (shown_) return say(std::string("What was to be shown cannot be done here: ") + n.text.data() + ".");
+    if (shown_) return say(plan_.w("What was to be shown cannot be done here: {}.", plan_.w.said(n.text.data())));
     ++refused_;
-    return say(std::string("Not done: ") + n.text.data() + ".");
+    return say(plan_.w("Not done: {}.", plan_.w.said(n.text.data())));
   }
   if (const auto* s = std::get_if<Shown>(n.command.get())) shown_ = s->begins;
   script_.push_back(*n.command);
@@ -111,10 +114,10 @@ std::string Coach::out_of_order(size_t act) const {
   if (progress_.next >= plan_.acts.size()) return "";
   const size_t step = plan_.acts[progress_.next].step;
   if (step >= plan_.acts[act].step) return "";
-  const LessonStep& w = plan_.steps[step].words;
-  return fmt::format("Out of order: \"{}\" comes before \"{}\"{}.", w.stage,
-                     plan_.steps[plan_.acts[act].step].words.stage,
-                     w.why.empty() ? "" : ", for this reason: " + lower(w.why));
+  const TeachingStep &first = plan_.steps[step], &then = plan_.steps[plan_.acts[act].step];
+  return first.words.why.empty() ? plan_.w("Out of order: \"{}\" comes before \"{}\".", first.name, then.name)
+                                 : plan_.w("Out of order: \"{}\" comes before \"{}\", for this reason: {}.", first.name,
+                                           then.name, lower(first.words.why, plan_.w));
 }
 
 std::string Coach::over_limit(const Command& c) const {
@@ -122,24 +125,26 @@ std::string Coach::over_limit(const Command& c) const {
   if (!line) return "";
   for (const SafeLimit& l : plan_.limits) {
     if (l.deepest_mm && line->depth_mm > *l.deepest_mm)
-      return fmt::format("Too deep: {:.1f} mm. {} begins at {:.1f} mm.", line->depth_mm, l.name, *l.deepest_mm);
+      return plan_.w("Too deep: {:.1f} mm. {} begins at {:.1f} mm.", line->depth_mm, l.name, *l.deepest_mm);
     if (!l.line.empty() && crosses(line->path, line->closed, l.line))
-      return "The cut crosses a safe limit: " + l.name + ".";
+      return plan_.w("The cut crosses a safe limit: {}.", l.name);
   }
   return "";
 }
 
 void Coach::judge_newest() {
   if (mode_ != LessonMode::guided) return;
+  const Words& w = plan_.w;
+  const std::string take_back = w("Ctrl+Z takes it back.");
   const size_t newest = standing_.size() - 1;
   const Command& c = standing_[newest].command;
-  if (const std::string limit = over_limit(c); !limit.empty()) return say(limit + " Ctrl+Z takes it back.");
+  if (const std::string limit = over_limit(c); !limit.empty()) return say(limit + " " + take_back);
   if (const int act = attempt_at(progress_, newest); act >= 0) {
     const std::string order = out_of_order(size_t(act)), off = gentle_word(progress_.act[size_t(act)].offs);
-    const char* back = is_undoable(c) ? " Ctrl+Z takes it back." : " Take its handle and carry it on.";
-    if (!off.empty()) return say(off + (order.empty() ? "" : " " + order) + back);
-    if (!order.empty()) return say(order + " Ctrl+Z takes it back.");
-    return say(is_undoable(c) ? "As planned." : "", true);
+    const std::string back = is_undoable(c) ? take_back : w("Take its handle and carry it on.");
+    if (!off.empty()) return say(off + (order.empty() ? "" : " " + order) + " " + back);
+    if (!order.empty()) return say(order + " " + take_back);
+    return say(is_undoable(c) ? w("As planned.") : "", true);
   }
   if (std::find(progress_.stray.begin(), progress_.stray.end(), newest) == progress_.stray.end()) return;
   // Of another kind than anything that is open, or far from it.
@@ -147,8 +152,8 @@ void Coach::judge_newest() {
   const bool wanted =
       std::any_of(open.begin(), open.end(), [&](size_t i) { return plan_.acts[i].command.index() == c.index(); });
   const std::string next =
-      progress_.all_done() ? "" : " Next in the plan: " + lower(plan_.acts[progress_.next].words) + ".";
-  if (!wanted) return say("This is not in the plan." + next + " Ctrl+Z takes it back.");
+      progress_.all_done() ? "" : " " + w("Next in the plan: {}.", lower(plan_.acts[progress_.next].words, w));
+  if (!wanted) return say(w("This is not in the plan.") + next + " " + take_back);
   double far = 0;
   if (const auto line = drawn_line(c)) {
     far = 1e9;
@@ -156,14 +161,15 @@ void Coach::judge_newest() {
       if (const auto want = drawn_line(plan_.acts[i].command); want && plan_.acts[i].command.index() == c.index())
         for (const ChartPoint& p : line->path) far = std::min(far, distance_to_line(want->path, want->closed, p));
   }
-  say(fmt::format("This lies elsewhere than planned{}.{} Ctrl+Z takes it back.",
-                  far > 1 && far < 1e8 ? fmt::format(", {:.0f} mm away at its nearest", far) : std::string(), next));
+  say((far > 1 && far < 1e8 ? w("This lies elsewhere than planned, {:.0f} mm away at its nearest.", far)
+                            : w("This lies elsewhere than planned.")) +
+      next + " " + take_back);
 }
 
 void Coach::missed(const MissedPress& press, const Snapshot& patient) {
   if (shown_) return;
   ++missed_, active_s_ = t_s_;
-  say(why_missed(press, patient));
+  say(why_missed(press, patient, plan_.w));
 }
 
 void Coach::tell_state() {
@@ -173,7 +179,7 @@ void Coach::tell_state() {
   says_.step = says_.finished || plan_.acts.empty() ? plan_.steps.size() : plan_.acts[progress_.next].step;
   for (size_t i = 0; i < plan_.steps.size(); ++i) {
     const TeachingStep& t = plan_.steps[i];
-    StepSeen s{t.words.stage};
+    StepSeen s{t.name};
     bool all = true, off = false, shown = false;
     for (size_t k = t.first; k < t.first + t.acts; ++k) {
       const ActProgress& a = progress_.act[k];
@@ -194,7 +200,7 @@ void Coach::tell_state() {
   says_.say = w.say, says_.why = w.why, says_.act = plan_.acts[progress_.next].words;
   if (drawn_line(plan_.acts[progress_.next].command))
     for (const SafeLimit& l : plan_.limits)
-      if (l.deepest_mm) says_.limit = fmt::format("Never deeper than {:g} mm: {}.", *l.deepest_mm, lower(l.name));
+      if (l.deepest_mm) says_.limit = plan_.w("Never deeper than {:g} mm: {}.", *l.deepest_mm, lower(l.name, plan_.w));
   if (w.question && answers_[says_.step] == 0) says_.question = &*w.question;
   if (!w.question || answers_[says_.step] == 0) says_.answer.clear();
 }
@@ -235,16 +241,18 @@ void Coach::look(const Snapshot& s, const HandSeen& hand) {
   const std::string& hint = plan_.steps[says_.step].words.hint;
   const std::string general = plan_.hints.empty() ? "" : plan_.hints[std::min(says_.step, plan_.hints.size() - 1)];
   if (still_s > kHint_s) says_.hint = hint.empty() ? general : hint;
-  if (still_s > kMoreHint_s) says_.hint += (says_.hint.empty() ? "" : " ") + ("Now: " + lower(says_.act) + ".");
-  if (still_s > kShowHint_s) says_.hint += " N shows it.";
+  if (still_s > kMoreHint_s)
+    says_.hint += (says_.hint.empty() ? "" : " ") + plan_.w("Now: {}.", lower(says_.act, plan_.w));
+  if (still_s > kShowHint_s) says_.hint += std::string(" ") + plan_.w("N shows it.");
 }
 
 Attempt Coach::present() const {
   Attempt a;
+  const Words& w = plan_.w;
   std::vector<std::pair<double, std::string>> better;
   for (size_t i = 0; i < plan_.steps.size(); ++i) {
     const TeachingStep& t = plan_.steps[i];
-    Attempt::Row row{t.words.stage, "not done"};
+    Attempt::Row row{t.name, w("not done")};
     for (size_t k = t.first; k < t.first + t.acts; ++k) {
       const ActProgress& p = progress_.act[k];
       if (p.state != ActProgress::done) continue;
@@ -254,26 +262,27 @@ Attempt Coach::present() const {
       }
       row.judged = true;
       if (!p.offs.empty() && p.offs.front().share() > row.share)
-        row.share = p.offs.front().share(), row.value = lower(gentle_word(p.offs));
+        row.share = p.offs.front().share(), row.value = lower(gentle_word(p.offs), w);
       if (const std::string off = gentle_word(p.offs); !off.empty())
-        better.emplace_back(p.offs.front().share(), "\"" + t.words.stage + "\": " + lower(off) + ".");
+        better.emplace_back(p.offs.front().share(), w("\"{}\": {}.", t.name, lower(off, w)));
       if (const auto line = drawn_line(standing_[p.by].command);
           line && !std::holds_alternative<Undermine>(standing_[p.by].command))
         a.cuts.push_back(*line);
     }
-    if (row.judged && row.share <= 1) row.value = "as planned";
-    if (row.shown) row.value = row.judged ? row.value + ", a part was shown" : "was shown";
+    if (row.judged && row.share <= 1) row.value = w("as planned");
+    if (row.shown) row.value = row.judged ? w("{}, a part was shown", row.value) : w("was shown");
     a.rows.push_back(std::move(row));
   }
   const auto figure = [&](const char* tolerance, const std::string& unit, double value, bool judged) {
     for (const auto& [name, limit] : plan_.tolerances)
       if (name == tolerance) {
-        a.rows.push_back({words_of_tolerance(name),
-                          fmt::format("{:.3g}{}{}, at most {:g}", value, unit.empty() ? "" : " ", unit, limit),
-                          value / std::max(limit, 1e-6), !judged, judged});
+        a.rows.push_back(
+            {w(words_of_tolerance(name)),
+             unit.empty() ? w("{:.3g}, at most {:g}", value, limit) : w("{:.3g} {}, at most {:g}", value, unit, limit),
+             value / std::max(limit, 1e-6), !judged, judged});
         const Judgement j{name, unit, limit, value, "", value <= limit};
         for (const std::string& s : to_do_better(std::span(&j, 1)))
-          if (judged) better.emplace_back(value / std::max(limit, 1e-6), s);
+          if (judged) better.emplace_back(value / std::max(limit, 1e-6), w.said(s));
       }
   };
   if (!sutures_.empty()) {
@@ -287,19 +296,20 @@ Attempt Coach::present() const {
   figure("time_s", "s", t_s_ - began_s_, shown_acts_ == 0);
   const auto count = [&](const char* what, int n, const char* advice) {
     if (n == 0) return;
-    a.rows.push_back({what, std::to_string(n), double(n) / 2, false, true});
-    if (n > 2) better.emplace_back(double(n) / 2, fmt::format("{}: {}. {}", what, n, advice));
+    a.rows.push_back({w(what), std::to_string(n), double(n) / 2, false, true});
+    if (n > 2) better.emplace_back(double(n) / 2, fmt::format("{}: {}. {}", w(what), n, w(advice)));
   };
-  count("Presses that came to nothing", missed_, "Look where the tip is before you press.");
-  count("Acts that were refused", refused_, "Read the reason: it says what is missing.");
-  if (shown_acts_ > 0) a.rows.push_back({"Acts that were shown", std::to_string(shown_acts_), 0, true, false});
+  count(english("Presses that came to nothing"), missed_, english("Look where the tip is before you press."));
+  count(english("Acts that were refused"), refused_, english("Read the reason: it says what is missing."));
+  if (shown_acts_ > 0) a.rows.push_back({w("Acts that were shown"), std::to_string(shown_acts_), 0, true, false});
   if (!progress_.stray.empty())
-    better.emplace_back(3, fmt::format("{} {} on the patient that the plan does not have.", progress_.stray.size(),
-                                       progress_.stray.size() == 1 ? "act stands" : "acts stand"));
+    better.emplace_back(
+        3, w.counted(int64_t(progress_.stray.size()), "{} act stands on the patient that the plan does not have.",
+                     "{} acts stand on the patient that the plan does not have.", progress_.stray.size()));
   int asked = 0, right = 0;
   for (size_t i = 0; i < answers_.size(); ++i)
     if (answers_[i] > 0) ++asked, right += answers_[i] == plan_.steps[i].words.question->right;
-  if (asked > 0) a.rows.push_back({"Questions", fmt::format("{} of {} right", right, asked), 0, false, true});
+  if (asked > 0) a.rows.push_back({w("Questions"), w("{} of {} right", right, asked), 0, false, true});
   std::stable_sort(better.begin(), better.end(), [](const auto& x, const auto& y) { return x.first > y.first; });
   for (size_t i = 0; i < better.size() && a.better.size() < 3; ++i)
     if (std::find(a.better.begin(), a.better.end(), better[i].second) == a.better.end())

@@ -45,67 +45,79 @@ std::string round_of(std::span<const LetteredPoint> letters, const std::vector<C
   return s;
 }
 
-std::string beside(std::span<const LetteredPoint> letters, const ChartPoint& at) {
-  const std::string near = near_letter(letters, at);
-  return near.empty() ? fmt::format("({:.0f}, {:.0f}) mm", at.x(), at.y()) : near;
+std::string beside(std::span<const LetteredPoint> letters, const ChartPoint& at, const Words& w) {
+  const std::string near = near_letter(letters, at, w);
+  return near.empty() ? w("({:.0f}, {:.0f}) mm", at.x(), at.y()) : near;
 }
 
 /// What to do, by the letters.
-struct Words {
+struct ActWords {
   std::span<const LetteredPoint> letters;
+  const Words& w;
 
   std::string operator()(const Excise& e) const {
     const std::string round = round_of(letters, corners_of_outline(e.outline));
-    return fmt::format("Excise{}{}, {:.3g} mm deep", round.empty() ? ": along the red line" : ": round by ", round,
-                       e.depth_mm);
+    return round.empty() ? w("Excise: along the red line, {:.3g} mm deep", e.depth_mm)
+                         : w("Excise: round by {}, {:.3g} mm deep", round, e.depth_mm);
   }
   std::string operator()(const Incise& i) const {
     const std::string by = round_of(letters, corners_of_path(i.path));
-    return fmt::format("Cut{}{}, {:.0f} mm long, {:.3g} mm deep",
-                       by.empty() ? " along the blue line" : " from one to the next: ", by, path_length(i.path),
-                       i.depth_mm);
+    const double mm = path_length(i.path);
+    return by.empty() ? w("Cut along the blue line, {:.0f} mm long, {:.3g} mm deep", mm, i.depth_mm)
+                      : w("Cut from one to the next: {}, {:.0f} mm long, {:.3g} mm deep", by, mm, i.depth_mm);
   }
   std::string operator()(const Undermine& u) const {
-    return fmt::format("Undermine all that the green line holds, at {:.3g} mm", u.depth_mm);
+    return w("Undermine all that the green line holds, at {:.3g} mm", u.depth_mm);
   }
-  std::string operator()(const SetHook& h) const { return "Set a hook beside " + beside(letters, h.at); }
-  std::string operator()(const MoveHook& m) const {
-    return fmt::format("Carry hook {} to the ring that is drawn", m.id);
-  }
-  std::string operator()(const ReleaseHook& r) const { return fmt::format("Let hook {} go", r.id); }
+  std::string operator()(const SetHook& h) const { return w("Set a hook beside {}", beside(letters, h.at, w)); }
+  std::string operator()(const MoveHook& m) const { return w("Carry hook {} to the ring that is drawn", m.id); }
+  std::string operator()(const ReleaseHook& r) const { return w("Let hook {} go", r.id); }
   std::string operator()(const Suture& s) const {
-    return "Stitch " + beside(letters, s.a) + " to " + beside(letters, s.b);
+    return w("Stitch {} to {}", beside(letters, s.a, w), beside(letters, s.b, w));
   }
   std::string operator()(const SutureRow& r) const {
-    return fmt::format("Row of stitches every {:.3g} mm: one edge from {} to {}, the other from {} to {}", r.spacing_mm,
-                       beside(letters, r.a.front()), beside(letters, r.a.back()), beside(letters, r.b.front()),
-                       beside(letters, r.b.back()));
+    return w("Row of stitches every {:.3g} mm: one edge from {} to {}, the other from {} to {}", r.spacing_mm,
+             beside(letters, r.a.front(), w), beside(letters, r.a.back(), w), beside(letters, r.b.front(), w),
+             beside(letters, r.b.back(), w));
   }
   std::string operator()(const HeadCommand& h) const {
     if (const auto* c = std::get_if<CutBone>(&h))
-      return c->contour_mm.empty() ? "Saw along the plane that is drawn" : "Saw once round, along the line on the bone";
-    if (std::holds_alternative<CutBoneByBlade>(h)) return "Saw along the planes that are drawn";
+      return w(c->contour_mm.empty() ? english("Saw along the plane that is drawn")
+                                     : english("Saw once round, along the line on the bone"));
+    if (std::holds_alternative<CutBoneByBlade>(h)) return w("Saw along the planes that are drawn");
     if (const auto* m = std::get_if<MoveFragment>(&h)) {
       const Vec3 t = m->by.translation_mm;
-      std::string s = "Carry the piece";
+      std::string ways;
       const auto way = [&](double mm, const char* to, const char* from) {
-        if (std::abs(mm) >= 0.5) s += fmt::format(" {:.1f} mm {}", std::abs(mm), mm > 0 ? to : from);
+        if (std::abs(mm) >= 0.5) ways += " " + w("{:.1f} mm {}", std::abs(mm), w(mm > 0 ? to : from));
       };
-      way(t.y(), "forwards", "backwards"), way(t.z(), "up", "down"), way(t.x(), "to the right", "to the left");
-      if (m->by.rotation_deg.norm() > 0.1) s += fmt::format(", turned by {:.1f}°", m->by.rotation_deg.norm());
-      return s;
+      way(t.y(), english("forwards"), english("backwards")), way(t.z(), english("up"), english("down")),
+          way(t.x(), english("to the right"), english("to the left"));
+      const double turned_deg = m->by.rotation_deg.norm();
+      return turned_deg > 0.1 ? w("Carry the piece{}, turned by {:.1f}°", ways, turned_deg)
+                              : w("Carry the piece{}", ways);
     }
-    return in_words(Command(h));
+    return w.said(in_words(Command(h)));
   }
   template <class Other>
   std::string operator()(const Other& o) const {
-    return in_words(Command(o));
+    return w.said(in_words(Command(o)));
   }
 };
 
+/// A lesson's step in other words.
+LessonStep in_language(LessonStep s, const Words& w) {
+  s.say = w(s.say), s.why = w(s.why), s.hint = w(s.hint);
+  if (s.question) {
+    s.question->ask = w(s.question->ask), s.question->because = w(s.question->because);
+    for (std::string& a : s.question->answers) a = w(a);
+  }
+  return s;
+}
+
 }  // namespace
 
-std::string near_letter(std::span<const LetteredPoint> letters, const ChartPoint& at) {
+std::string near_letter(std::span<const LetteredPoint> letters, const ChartPoint& at, const Words& w) {
   constexpr double kAt_mm = 3.5, kReach_mm = 30;
   const LetteredPoint *first = nullptr, *second = nullptr;
   const auto far = [&](const LetteredPoint* l) { return l ? (l->at - at).norm() : 1e9; };
@@ -118,13 +130,16 @@ std::string near_letter(std::span<const LetteredPoint> letters, const ChartPoint
   if (far(first) <= kAt_mm || !second || far(second) > kReach_mm) return std::string(1, first->letter);
   char a = first->letter, b = second->letter;
   if (a > b) std::swap(a, b);
-  return fmt::format("the line {}{}", a, b);
+  return w("the line {}{}", a, b);
 }
 
-LessonPlan make_lesson_plan(const Lesson* lesson, std::span<const Command> script) {
+LessonPlan make_lesson_plan(const Lesson* lesson, std::span<const Command> script, const Words& w) {
   LessonPlan p;
+  p.w = w;
   if (lesson) {
-    p.title = lesson->title, p.goal = lesson->goal, p.hints = lesson->hints, p.limits = lesson->words.limits;
+    p.title = w(lesson->title), p.goal = w(lesson->goal), p.hints = lesson->hints, p.limits = lesson->words.limits;
+    for (std::string& h : p.hints) h = w(h);
+    for (SafeLimit& l : p.limits) l.name = w(l.name);
     p.tolerances = lesson->tolerances;
     for (const auto& [name, limit] : lesson->tolerances) {
       if (name == "corner_mm") p.within.corner_mm = limit;
@@ -134,13 +149,13 @@ LessonPlan make_lesson_plan(const Lesson* lesson, std::span<const Command> scrip
   }
   const auto end_step = [&](const std::string& stage) {
     TeachingStep s;
-    s.words.stage = stage;
+    s.words.stage = stage, s.name = w(stage);
     s.first = p.steps.empty() ? 0 : p.steps.back().first + p.steps.back().acts;
     s.acts = p.acts.size() - s.first;
     if (s.acts == 0) return;
     if (lesson)
-      for (const LessonStep& w : lesson->words.steps)
-        if (w.stage == stage) s.words = w;
+      for (const LessonStep& of : lesson->words.steps)
+        if (of.stage == stage) s.words = in_language(of, w);
     p.steps.push_back(std::move(s));
   };
   for (const Command& c : join_strokes(script)) {
@@ -156,7 +171,7 @@ LessonPlan make_lesson_plan(const Lesson* lesson, std::span<const Command> scrip
     if (const auto* e = std::get_if<Excise>(&a.command)) add_letters(p.letters, corners_of_outline(e->outline), true);
     if (const auto* i = std::get_if<Incise>(&a.command)) add_letters(p.letters, corners_of_path(i->path), false);
   }
-  for (PlannedAct& a : p.acts) a.words = std::visit(Words{p.letters}, a.command);
+  for (PlannedAct& a : p.acts) a.words = std::visit(ActWords{p.letters, w}, a.command);
   for (TeachingStep& s : p.steps)
     if (s.words.say.empty())
       for (size_t i = s.first; i < s.first + s.acts; ++i) s.words.say += (i > s.first ? "; " : "") + p.acts[i].words;

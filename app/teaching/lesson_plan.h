@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "app/assembly/lesson.h"
+#include "app/words/words.h"
 #include "sim/commands/command.h"
 
 namespace limberg {
@@ -24,6 +25,7 @@ struct PlannedAct {
 };
 
 struct TeachingStep {
+  std::string name;  // as it is shown; words.stage is that of the script
   LessonStep words;  // `say` is there even where the lesson has none: made from the acts
   size_t first = 0, acts = 0;
 };
@@ -43,12 +45,13 @@ struct LessonPlan {
   PlanLimits within;
   std::vector<std::pair<std::string, double>> tolerances;
   bool bone = false;
+  Words w;  // what all its words are in, but stages and names of tolerances
 };
 
 /// Of a script alone (`lesson` null) the steps have the names of its stages, and no reasons.
-LessonPlan make_lesson_plan(const Lesson* lesson, std::span<const Command> script);
+LessonPlan make_lesson_plan(const Lesson* lesson, std::span<const Command> script, const Words& words = {});
 
 /// "D", or "between D and E", or "" where no letter is within reach.
-std::string near_letter(std::span<const LetteredPoint> letters, const ChartPoint& at);
+std::string near_letter(std::span<const LetteredPoint> letters, const ChartPoint& at, const Words& words = {});
 
 }  // namespace limberg

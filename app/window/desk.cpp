@@ -37,16 +37,19 @@ void Desk::notice(const Notice& n) {
     const auto* piece = x.command ? std::get_if<InciseMore>(x.command.get()) : nullptr;
     return piece ? piece->stroke : 0;
   };
-  if (!notices_.empty() && n.kind == Notice::done && stroke(n) > 0 && stroke(n) == stroke(notices_.back())) return;
-  notices_.push_back(n);
-  if (shown_ && n.kind == Notice::done) Notice::put(notices_.back().text, "shown: " + std::string(n.text.data()));
+  if (!notices_.empty() && n.kind == Notice::done && stroke(n) > 0 && stroke(n) == stroke(notices_.back().notice))
+    return;
+  const Words& w = facts_.w;
+  std::string text = w.said(n.text.data());
+  if (shown_ && n.kind == Notice::done) text = w("shown: {}", text);
+  if (n.kind == Notice::refused) text = w("{} refused: {}", w(n.action.data()), text);
+  notices_.push_back({n, text});
   if (notices_.size() > kNotices) notices_.pop_front();
-  last_word_ = n.kind == Notice::refused   ? std::string(n.action.data()) + " refused: " + n.text.data()
-               : n.kind == Notice::dropped ? n.text.data()
-                                           : "";
+  last_word_ = n.kind == Notice::refused || n.kind == Notice::dropped ? text : "";
 }
 
 void Desk::patient(const DeskReading& r, const FrameRect& at) {
+  const Words& w = facts_.w;
   const float height = high(at);
   panel("patient", at);
   const Snapshot& s = *r.shown;
@@ -55,33 +58,33 @@ void Desk::patient(const DeskReading& r, const FrameRect& at) {
     ImGui::Spacing();
   }
   if (r.coach && !r.coach->plan().steps.empty())
-    state.lesson.steps(*r.coach, r.coach->plan().title.empty() ? "LESSON" : r.coach->plan().title.c_str(), height,
+    state.lesson.steps(*r.coach, r.coach->plan().title.empty() ? w("LESSON") : r.coach->plan().title.c_str(), height,
                        r.showing, state.next, state.next_clean, state.summary);
 
   if (!s.figures.empty()) {
-    heading("HEAD");
-    for (const LiveFigure& k : s.figures) ImGui::Text("%s %.1f %s", k.name.c_str(), double(k.value), k.unit);
+    heading(w("HEAD"));
+    for (const LiveFigure& k : s.figures) text(w("{} {:.1f} {}", w.said(k.name), double(k.value), k.unit));
   }
   if (facts_.head && r.measures) {
-    if (s.figures.empty()) heading("HEAD");
-    state.head.draw(*r.measures, !s.moved_mm.empty(), height);
+    if (s.figures.empty()) heading(w("HEAD"));
+    state.head.draw(*r.measures, !s.moved_mm.empty(), height, w);
   }
-  if (facts_.skin) heading("SUTURES");
+  if (facts_.skin) heading(w("SUTURES"));
   if (!facts_.skin)
     ImGui::Spacing();
   else if (s.sutures.empty())
-    ImGui::TextColored(ink::quiet(), "none yet");
+    text(ink::quiet(), w("none yet"));
   else {
     double sum = 0;
     for (const SutureState& x : s.sutures) sum += double(x.force_N);
     const int n = int(s.sutures.size());
-    ImGui::Text("%d %s, %.2f N%s", n, n == 1 ? "stitch" : "stitches", sum, n == 1 ? "" : " together");
+    wrapped(w.counted(n, "{} stitch, {:.2f} N", "{} stitches, {:.2f} N together", n, sum));
     if (ImGui::BeginTable("sutures", 3, ImGuiTableFlags_RowBg | ImGuiTableFlags_ScrollY,
                           {0, std::min(0.25f * height, 26.0f + 21.0f * float(s.sutures.size()))})) {
       ImGui::TableSetupScrollFreeze(0, 1);
-      ImGui::TableSetupColumn("no.");
-      ImGui::TableSetupColumn("force N");
-      ImGui::TableSetupColumn("gap mm");
+      ImGui::TableSetupColumn(w("no."), ImGuiTableColumnFlags_WidthFixed, 34);
+      ImGui::TableSetupColumn(w("force N"));
+      ImGui::TableSetupColumn(w("gap mm"));
       ImGui::TableHeadersRow();
       for (const SutureState& x : s.sutures) {
         ImGui::TableNextRow();
@@ -89,16 +92,16 @@ void Desk::patient(const DeskReading& r, const FrameRect& at) {
         ImGui::Text("%d", x.id);
         ImGui::TableNextColumn();
         const double force = double(x.force_N);
-        ImGui::TextColored(force < kSutureForce_N.warn  ? ink::good()
-                           : force < kSutureForce_N.bad ? ink::warn()
-                                                        : ink::bad(),
-                           "%.2f", double(x.force_N));
+        text(force < kSutureForce_N.warn  ? ink::good()
+             : force < kSutureForce_N.bad ? ink::warn()
+                                          : ink::bad(),
+             w("{:.2f}", force));
         ImGui::TableNextColumn();
-        ImGui::Text("%.2f", double(x.gap_mm));
+        text(w("{:.2f}", double(x.gap_mm)));
       }
       ImGui::EndTable();
     }
-    ImGui::TextColored(ink::quiet(), "limits %.3g and %.3g N", kSutureForce_N.warn, kSutureForce_N.bad);
+    text(ink::quiet(), w("limits {:.3g} and {:.3g} N", kSutureForce_N.warn, kSutureForce_N.bad));
   }
   hooks(s);
   done_list();
@@ -107,30 +110,30 @@ void Desk::patient(const DeskReading& r, const FrameRect& at) {
 
 void Desk::hooks(const Snapshot& s) {
   if (s.hooks.empty()) return;
-  heading("HOOKS");
+  const Words& w = facts_.w;
+  heading(w("HOOKS"));
   for (const HookState& h : s.hooks) {
     ImGui::PushID(h.id);
     ImGui::AlignTextToFramePadding();
-    ImGui::Text("%d   %.2f N", h.id, double(h.force_N.norm()));
+    text(w("{}   {:.2f} N", h.id, double(h.force_N.norm())));
     ImGui::SameLine(110);
-    if (ImGui::SmallButton("let go")) state.release_hook = h.id;
+    if (ImGui::SmallButton(w("let go"))) state.release_hook = h.id;
     ImGui::PopID();
   }
 }
 
 void Desk::done_list() {
-  heading("DONE");
+  const Words& w = facts_.w;
+  heading(w("DONE"));
   ImGui::BeginChild("done", {0, -2});
-  for (const Notice& n : notices_) {
-    const char* mark = n.kind == Notice::undone   ? "taken back"
-                       : n.kind == Notice::redone ? "done again"
-                                                  : n.text.data();
-    const std::string when = fmt::format("{:.1f} s", n.t_s);
-    const bool refused = n.kind == Notice::refused, dropped = n.kind == Notice::dropped;
-    listed(refused   ? ink::bad()
-           : dropped ? ink::warn()
-                     : ImGui::GetStyleColorVec4(ImGuiCol_Text),
-           58, when.c_str(), refused ? (std::string(n.action.data()) + " refused: " + n.text.data()).c_str() : mark);
+  for (const auto& [n, text] : notices_) {
+    const char* mark = n.kind == Notice::undone   ? w("taken back")
+                       : n.kind == Notice::redone ? w("done again")
+                                                  : text.c_str();
+    listed(n.kind == Notice::refused   ? ink::bad()
+           : n.kind == Notice::dropped ? ink::warn()
+                                       : ImGui::GetStyleColorVec4(ImGuiCol_Text),
+           58, w("{:.1f} s", n.t_s).c_str(), mark);
   }
   if (ImGui::GetScrollY() >= ImGui::GetScrollMaxY() - 4) ImGui::SetScrollHereY(1);
   ImGui::EndChild();
@@ -142,7 +145,8 @@ void Desk::help(int width, int height) {
   ImGui::SetNextWindowBgAlpha(0.97f);
   const float width_most = std::min(float(width) - 16, 720.0f);
   ImGui::SetNextWindowSize({width_most, std::min(float(height) - 16, 40 + 20 * float(desk_keys().size()))});
-  ImGui::Begin("Keys and mouse", &state.help,
+  const Words& w = facts_.w;
+  ImGui::Begin((std::string(w("Keys and mouse")) + "###Keys and mouse").c_str(), &state.help,
                ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoResize);
   const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
   covered_.push_back({at.x, at.y, at.x + size.x, at.y + size.y});
@@ -150,12 +154,12 @@ void Desk::help(int width, int height) {
     ImGui::TableSetupColumn("key", ImGuiTableColumnFlags_WidthFixed, 176);
     ImGui::TableSetupColumn("what", ImGuiTableColumnFlags_WidthStretch);
     for (const DeskKey& k : desk_keys()) {
-      if (k.keys.empty()) continue;
+      if (!*k.keys) continue;
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
-      ImGui::TextUnformatted(k.keys.c_str());
+      wrapped(w(k.keys));
       ImGui::TableNextColumn();
-      ImGui::TextWrapped("%s", k.what.c_str());
+      wrapped(k.hand == HandKey::tool ? tools_in_words(w) : w(k.what));
     }
     ImGui::EndTable();
   }
@@ -177,7 +181,7 @@ void Desk::draw(const DeskReading& r, const std::vector<Vec3f>& ruler_px, int wi
   tools(r, at.tools);
   patient(r, at.patient);
   if (r.acts)
-    if (const auto wanted = history_.draw(*r.acts, at.history, r.act_picture, covered_)) state.go_to = wanted;
+    if (const auto wanted = history_.draw(*r.acts, at.history, r.act_picture, covered_, facts_.w)) state.go_to = wanted;
   stage_top_ = at.stage.y0;
   if (r.coach)
     stage_top_ =
@@ -188,7 +192,7 @@ void Desk::draw(const DeskReading& r, const std::vector<Vec3f>& ruler_px, int wi
   ImGui::PopStyleVar(2);
   help(width, height);
   if (r.coach) state.lesson.summary(*r.coach, width, height, state.summary, covered_);
-  state.tour.draw(at, covered_);
+  state.tour.draw(at, covered_, facts_.w);
   popup_ = ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup);
   compared(r, at.stage);
   marks(r);

@@ -20,6 +20,7 @@
 #include "app/window/hand_feed.h"
 #include "app/window/ruler.h"
 #include "app/window/screen.h"
+#include "app/words/words.h"
 #include "devices/sample.h"
 #include "sim/patient/snapshot.h"
 
@@ -40,6 +41,7 @@ struct DeskFacts {
   bool own_device = false;  // another than the mouse
   bool calibrated = false;  // a calibration of it was given
   std::string word = {};    // said until something is done; may be empty
+  Words w = {};             // the language of the panels
 };
 
 /// What is chosen, and what is asked for once.
@@ -148,7 +150,11 @@ class Desk {
   SkinField first_field() const { return facts_.skin ? SkinField::stretch : SkinField::moved; }
 
   DeskFacts facts_;
-  std::deque<Notice> notices_;
+  struct Heard {
+    Notice notice;
+    std::string text;  // in the language of the panels
+  };
+  std::deque<Heard> notices_;
   bool shown_ = false;                      // what is heard of is shown by the program
   float stage_top_ = 0, stage_bottom_ = 0;  // what the words over the patient leave of it
   DeskHistory history_;

@@ -6,9 +6,12 @@
 #include <cmath>
 #include <iterator>
 
+#include "app/window/desk_look.h"
 #include "sim/commands/actions.h"
 
 namespace limberg {
+
+using namespace desk_look;
 
 namespace {
 
@@ -22,94 +25,97 @@ void field_slider(const char* label, const ActionField& f, double& value, const 
 
 // A choice by the words of the table of acts.
 template <class E>
-void field_choice(const char* label, const ActionField& f, E& value) {
-  if (!ImGui::BeginCombo(label, f.field.words[size_t(value)])) return;
+void field_choice(const char* label, const ActionField& f, E& value, const Words& w) {
+  if (!ImGui::BeginCombo(label, w(f.field.words[size_t(value)]))) return;
   for (size_t k = 0; k < f.field.words.size(); ++k)
-    if (ImGui::Selectable(f.field.words[k], size_t(value) == k)) value = E(k);
+    if (ImGui::Selectable(w(f.field.words[k]), size_t(value) == k)) value = E(k);
   ImGui::EndCombo();
 }
 
 }  // namespace
 
-void DeskHead::draw(const std::vector<HeadMeasure>& measures, bool has_face, float height) {
+void DeskHead::draw(const std::vector<HeadMeasure>& measures, bool has_face, float height, const Words& w) {
   ImGui::PushItemWidth(72);
   ImGui::InputText("##name", name.data(), name.size());
   ImGui::PopItemWidth();
   ImGui::SameLine();
-  if (ImGui::Button("Pick   K")) pick = true;
+  if (button(w, "Pick   K")) pick = true;
   if (!ImGui::BeginTabBar("head")) return;
-  if (ImGui::BeginTabItem("Figures")) figures(measures, height), ImGui::EndTabItem();
-  if (ImGui::BeginTabItem("Bones")) bones(), ImGui::EndTabItem();
-  if (has_face && ImGui::BeginTabItem("Tissue")) between(has_face), ImGui::EndTabItem();
+  if (ImGui::BeginTabItem(w("Figures"))) figures(measures, height, w), ImGui::EndTabItem();
+  if (ImGui::BeginTabItem(w("Bones"))) bones(w), ImGui::EndTabItem();
+  if (has_face && ImGui::BeginTabItem(w("Tissue"))) between(has_face, w), ImGui::EndTabItem();
   ImGui::EndTabBar();
 }
 
 // A button that says why it cannot be pressed yet.
-bool DeskHead::button_for(size_t places, const char* what) {
-  if (placed_.size() >= places) return ImGui::Button((what + (" " + named(places))).c_str(), {-1, 0});
-  ImGui::TextDisabled("%s: pick %zu places on bone", what, places);
+bool DeskHead::button_for(const Words& w, size_t places, const char* what) {
+  if (placed_.size() >= places) return ImGui::Button((w(what) + (" " + named(places))).c_str(), {-1, 0});
+  ImGui::PushStyleColor(ImGuiCol_Text, ink::quiet());
+  wrapped(w("{}: pick {} places on bone", w(what), places));
+  ImGui::PopStyleColor();
   return false;
 }
 
-void DeskHead::bones() {
-  ImGui::TextDisabled("saw through what was picked last");
+void DeskHead::bones(const Words& w) {
+  text(ink::quiet(), w("saw through what was picked last"));
   ImGui::PushItemWidth(72);
-  ImGui::InputInt("places of a ring", &ring, 1, 1);
+  ImGui::InputInt(w("places of a ring"), &ring, 1, 1);
   ring = std::clamp(ring, 3, 40);
   ImGui::PopItemWidth();
-  if (button_for(size_t(ring), "Saw round")) ask = Ask::saw_round;
-  if (button_for(3, "Saw plane")) ask = Ask::saw_plane;
+  if (button_for(w, size_t(ring), english("Saw round"))) ask = Ask::saw_round;
+  if (button_for(w, 3, english("Saw plane"))) ask = Ask::saw_plane;
   ImGui::PushItemWidth(100);
-  ImGui::SliderFloat("reach of the plane", &saw_radius_mm, 0, 120, saw_radius_mm > 0 ? "within %.0f mm" : "all");
+  ImGui::SliderFloat(w("reach of the plane"), &saw_radius_mm, 0, 120,
+                     saw_radius_mm > 0 ? w("within {:.0f} mm", saw_radius_mm).c_str() : w("all"));
   ImGui::PopItemWidth();
   ImGui::Separator();
   if (placed_.empty()) {
-    ImGui::TextDisabled("pick a place on a fragment to move it");
+    text(ink::quiet(), w("pick a place on a fragment to move it"));
     return;
   }
-  ImGui::Text("fragment at %s: right, forward, up", placed_.back().name.c_str());
+  wrapped(w("fragment at {}: right, forward, up", placed_.back().name));
   ImGui::PushItemWidth(200);
   ImGui::InputFloat3("mm", shift_mm.data(), "%.2f");
   ImGui::InputFloat3("\u00b0", turn_deg.data(), "%.2f");
   ImGui::PopItemWidth();
   const float half = 0.5f * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
-  if (ImGui::Button("Move it by these", {half, 0})) ask = Ask::shift;
+  if (button(w, "Move it by these", half)) ask = Ask::shift;
   ImGui::SameLine();
-  if (ImGui::Button("Snap into its cut", {half, 0})) ask = Ask::snap;
-  if (button_for(2, "Plate")) ask = Ask::plate;
-  if (button_for(2, "Join")) ask = Ask::join;
+  if (button(w, "Snap into its cut", half)) ask = Ask::snap;
+  if (button_for(w, 2, english("Plate"))) ask = Ask::plate;
+  if (button_for(w, 2, english("Join"))) ask = Ask::join;
 }
 
-void DeskHead::between(bool has_face) {
+void DeskHead::between(bool has_face, const Words& w) {
   if (on_face_.empty() || on_bone_.empty()) {
-    if (has_face) ImGui::TextDisabled("pick a place on the face and one on bone");
+    if (has_face) text(ink::quiet(), w("pick a place on the face and one on bone"));
     return;
   }
   ImGui::PushItemWidth(72);
   const auto field = [](const char* key) -> const ActionField& { return action_field("connect_tissue", key); };
-  field_slider("on the face, mm", field("face_radius_mm"), tissue.face_radius_mm, "%.0f");
-  field_slider("on bone, mm", field("bone_radius_mm"), tissue.bone_radius_mm, "%.0f", "all of it");
+  field_slider(w("on the face, mm"), field("face_radius_mm"), tissue.face_radius_mm, "%.0f");
+  field_slider(w("on bone, mm"), field("bone_radius_mm"), tissue.bone_radius_mm, "%.0f", w("all of it"));
   const Field& layers = field("layers").field;
-  ImGui::SliderInt("layers", &tissue.layers, int(layers.usual_from), int(layers.usual_to));
+  ImGui::SliderInt(w("layers"), &tissue.layers, int(layers.usual_from), int(layers.usual_to));
   field_slider("kPa", field("young_kPa"), tissue.young_kPa, "%.0f");
   ImGui::PopItemWidth();
   ImGui::PushItemWidth(-1);
-  field_choice("##mode", field("mode"), tissue.mode);
+  field_choice("##mode", field("mode"), tissue.mode, w);
   ImGui::PopItemWidth();
-  if (ImGui::Button(("Tissue " + on_face_.back().name + " - " + on_bone_.back().name).c_str(), {-1, 0})) tie = true;
+  if (ImGui::Button(w("Tissue {} - {}", on_face_.back().name, on_bone_.back().name).c_str(), {-1, 0})) tie = true;
 }
 
-void DeskHead::figures(const std::vector<HeadMeasure>& measures, float height) {
+void DeskHead::figures(const std::vector<HeadMeasure>& measures, float height, const Words& w) {
   ImGui::PushItemWidth(-1);
-  field_choice("##beside", action_field("superpose", "on"), beside);
+  field_choice("##beside", action_field("superpose", "on"), beside, w);
   ImGui::PopItemWidth();
-  if (beside != SkullBeside::off && !skull_word.empty()) ImGui::TextWrapped("%s", skull_word.c_str());
+  if (beside != SkullBeside::off && !skull_word.empty()) wrapped(w.said(skull_word));
   if (measures.empty()) return;
   if (ImGui::BeginTable("measures", 3, ImGuiTableFlags_RowBg | ImGuiTableFlags_ScrollY, {0, 0.30f * height})) {
     ImGui::TableSetupScrollFreeze(0, 1);
-    ImGui::TableSetupColumn("measure", ImGuiTableColumnFlags_WidthStretch, 1.5f);
-    ImGui::TableSetupColumn("now, mm");
-    ImGui::TableSetupColumn("change");
+    ImGui::TableSetupColumn(w("measure"), ImGuiTableColumnFlags_WidthStretch, 1.5f);
+    ImGui::TableSetupColumn(w("now, mm"));
+    ImGui::TableSetupColumn(w("change"));
     ImGui::TableHeadersRow();
     // What was picked first, then what has changed most: the eye is on the fragment.
     for (const bool of_interest : {true, false})
@@ -118,11 +124,11 @@ void DeskHead::figures(const std::vector<HeadMeasure>& measures, float height) {
         if (first != of_interest) continue;
         ImGui::TableNextRow();
         ImGui::TableNextColumn();
-        ImGui::Text("%s%s", m.group == HeadMeasure::Group::asymmetry ? "L/R " : "", m.name.c_str());
+        text(m.group == HeadMeasure::Group::asymmetry ? w("L/R {}", w.said(m.name)) : w.said(m.name));
         ImGui::TableNextColumn();
-        ImGui::Text("%.1f%s", m.now, m.unit == "deg" ? "\u00b0" : "");
+        text(m.unit == "deg" ? w("{:.1f}\u00b0", m.now) : w("{:.1f}", m.now));
         ImGui::TableNextColumn();
-        if (std::abs(m.change()) >= 0.05) ImGui::Text("%+.1f", m.change());
+        if (std::abs(m.change()) >= 0.05) text(w("{:+.1f}", m.change()));
       }
     ImGui::EndTable();
   }

@@ -11,6 +11,7 @@
 
 #include "app/head/measures.h"
 #include "app/window/skull_view.h"
+#include "app/words/words.h"
 #include "devices/sample.h"
 #include "sim/commands/command.h"
 #include "sim/geometry/vec.h"
@@ -31,7 +32,7 @@ struct DeskHead {
   enum class Ask : uint8_t { nothing, saw_round, saw_plane, shift, snap, plate, join } ask = Ask::nothing;
 
   /// Builds its part of a panel.
-  void draw(const std::vector<HeadMeasure>& measures, bool has_face, float height);
+  void draw(const std::vector<HeadMeasure>& measures, bool has_face, float height, const Words& words);
   /// The names of the landmarks that the patient has now: a place that was picked counts as long as it is among them.
   /// `now_mm`: where each of them is now.
   void see(const std::vector<std::string>& landmarks, std::span<const Vec3f> now_mm = {});
@@ -47,10 +48,10 @@ struct DeskHead {
   void hear(const std::string& words);
 
  private:
-  bool button_for(size_t places, const char* what);
-  void bones();
-  void between(bool has_face);
-  void figures(const std::vector<HeadMeasure>& measures, float height);
+  bool button_for(const Words& w, size_t places, const char* what);
+  void bones(const Words& w);
+  void between(bool has_face, const Words& w);
+  void figures(const std::vector<HeadMeasure>& measures, float height, const Words& w);
   std::string named(size_t last) const;  // the last so many places on bone, in words
 
   struct Pick {

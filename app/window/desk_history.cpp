@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include <algorithm>
+
 #include "app/window/desk_look.h"
 
 namespace limberg {
@@ -10,7 +12,7 @@ namespace limberg {
 using namespace desk_look;
 
 std::optional<size_t> DeskHistory::draw(const ActHistory& acts, const FrameRect& at, const Picture& picture,
-                                        std::vector<FrameRect>& covered) {
+                                        std::vector<FrameRect>& covered, const Words& w) {
   ImGui::SetNextWindowPos({at.x0, at.y0});
   ImGui::SetNextWindowSize({wide(at), high(at)});
   ImGui::SetNextWindowBgAlpha(1);
@@ -20,19 +22,19 @@ std::optional<size_t> DeskHistory::draw(const ActHistory& acts, const FrameRect&
   const std::vector<ActHistory::Entry>& all = acts.entries();
   const int n = int(all.size());
   if (n == 0) {
-    ImGui::TextColored(ink::quiet(), "Acts stand here with a picture each, to go back to and forth.");
+    text(ink::quiet(), w("Acts stand here with a picture each, to go back to and forth."));
     ImGui::End();
     return wanted;
   }
   int standing = int(acts.standing());
-  const std::string words = standing == n ? fmt::format("all {} stand", n) : fmt::format("{} of {} stand", standing, n);
+  const std::string words = standing == n ? w("all {} stand", n) : w("{} of {} stand", standing, n);
   ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted(words.c_str());
-  ImGui::SameLine(110);
+  ImGui::SameLine(std::max(110.0f, ImGui::CalcTextSize(words.c_str()).x + 20));
   ImGui::PushItemWidth(-1);
   if (ImGui::SliderInt("##standing", &standing, 0, n, "", ImGuiSliderFlags_AlwaysClamp)) wanted = size_t(standing);
   ImGui::PopItemWidth();
-  tip("Undo to the left, redo to the right. Ctrl+Z and Ctrl+Y go by one act.");
+  tip(w("Undo to the left, redo to the right. Ctrl+Z and Ctrl+Y go by one act."));
   ImGui::BeginChild("acts", {0, 0}, false, ImGuiWindowFlags_HorizontalScrollbar);
   for (int i = 0; i <= n; ++i) {
     ImGui::PushID(i);
@@ -40,9 +42,10 @@ std::optional<size_t> DeskHistory::draw(const ActHistory& acts, const FrameRect&
     const bool now = size_t(i) == acts.standing();
     const ImVec2 size(kPictureWidth, kPictureHeight), from = ImGui::GetCursorScreenPos();
     if (ImGui::InvisibleButton("act", {size.x, size.y + 2})) wanted = size_t(i);
-    tip(i == 0 ? "Before the first act"
-               : fmt::format("{}. {}, {:.0f} s{}", i, all[size_t(i) - 1].text, all[size_t(i) - 1].t_s,
-                             size_t(i) > acts.standing() ? " (undone)" : ""));
+    tip(i == 0 ? std::string(w("Before the first act"))
+        : size_t(i) > acts.standing()
+            ? w("{}. {}, {:.0f} s (undone)", i, w.said(all[size_t(i) - 1].text), all[size_t(i) - 1].t_s)
+            : w("{}. {}, {:.0f} s", i, w.said(all[size_t(i) - 1].text), all[size_t(i) - 1].t_s));
     ImDrawList& d = *ImGui::GetWindowDrawList();
     void* const shown = i > 0 ? picture(all[size_t(i) - 1]) : nullptr;
     const ImVec2 to(from.x + size.x, from.y + size.y);
@@ -51,7 +54,7 @@ std::optional<size_t> DeskHistory::draw(const ActHistory& acts, const FrameRect&
       d.AddImage(shown, from, to, {0, 0}, {1, 1}, undone ? IM_COL32(255, 255, 255, 110) : IM_COL32_WHITE);
     else
       d.AddRectFilled(from, to, ImGui::GetColorU32(ImGuiCol_FrameBg));
-    const std::string name = i == 0 ? "start" : std::to_string(i);
+    const std::string name = i == 0 ? w("start") : std::to_string(i);
     d.AddRectFilled(from, {from.x + ImGui::CalcTextSize(name.c_str()).x + 6, from.y + 16}, IM_COL32(10, 16, 20, 200));
     d.AddText({from.x + 3, from.y + 1}, IM_COL32_WHITE, name.c_str());
     if (now || ImGui::IsItemFocused())

@@ -6,6 +6,7 @@
 
 #include "app/window/act_history.h"
 #include "app/window/desk_layout.h"
+#include "app/words/words.h"
 
 namespace limberg {
 
@@ -16,7 +17,7 @@ class DeskHistory {
   using Picture = std::function<void*(const ActHistory::Entry&)>;
   /// How many acts are to stand, when that was chosen.
   std::optional<size_t> draw(const ActHistory& acts, const FrameRect& at, const Picture& picture,
-                             std::vector<FrameRect>& covered);
+                             std::vector<FrameRect>& covered, const Words& words);
 
  private:
   size_t last_ = 0;  // standing in the last frame: the list follows

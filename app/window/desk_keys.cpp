@@ -2,34 +2,49 @@
 
 #include <algorithm>
 #include <string_view>
-#include <utility>
+#include <tuple>
 
 #include "app/window/desk.h"
 #include "sim/commands/actions.h"
 
 namespace limberg {
 
-std::string key_words(const DeskTool& t) { return (t.shift ? "Shift+" : "") + std::string(1, char(t.key)); }
+std::string key_words(const DeskTool& t, const Words& w) {
+  const std::string key(1, char(t.key));
+  return t.shift ? w("Shift+{}", key) : key;
+}
 
-std::vector<ToolSlider> tool_sliders(Tool tool, double max_depth_mm) {
+std::string tools_in_words(const Words& w) {
+  std::string all;
+  for (const DeskTool& t : kDeskTools) {
+    std::string name = w(t.name);
+    if (w.language() == "en") name[0] = char(name[0] - 'A' + 'a');
+    all += (all.empty() ? "" : ", ") + name + (t.shift ? " (" + key_words(t, w) + ")" : "");
+  }
+  return all;
+}
+
+std::vector<ToolSlider> tool_sliders(Tool tool, double max_depth_mm, const Words& w) {
+  static constexpr const char* kDepth = english("depth");
+  static constexpr const char* kAngle = english("angle");
+  static constexpr const char* kSpacing = english("spacing");
   static constexpr float kDeepestBite_mm = 4;
   std::vector<ToolSlider> sliders;
   const DeskTool& t = *desk_tool(tool);
   const bool bites = sews_bites(tool);
-  const std::pair<std::string_view, float HandChoice::*> settings[] = {
-      {"depth_mm", bites ? &HandChoice::bite_mm : &HandChoice::depth_mm},
-      {"angle_deg", &HandChoice::angle_deg},
-      {"spacing_mm", &HandChoice::spacing_mm}};
-  for (const auto& [key, value] : settings)
+  const std::tuple<std::string_view, const char*, float HandChoice::*> settings[] = {
+      {"depth_mm", kDepth, bites ? &HandChoice::bite_mm : &HandChoice::depth_mm},
+      {"angle_deg", kAngle, &HandChoice::angle_deg},
+      {"spacing_mm", kSpacing, &HandChoice::spacing_mm}};
+  for (const auto& [key, name, value] : settings)
     for (const ActionField& f : t.action[0] ? action_fields(t.action) : std::vector<ActionField>()) {
       if (f.field.key != key || (tool == Tool::scissors && key == "angle_deg")) continue;
       const bool bite = value == &HandChoice::bite_mm;
       if (!bite && f.field.usual_to <= 0) continue;
       double to = value == &HandChoice::depth_mm ? std::min(max_depth_mm, f.field.to) : f.field.usual_to;
       if (bite) to = std::min(double(kDeepestBite_mm), max_depth_mm);
-      sliders.push_back({value, bite ? 0.5f : float(f.field.usual_from), float(to),
-                         std::string(key.substr(0, key.rfind('_'))),
-                         f.unit == "degrees" ? "%.0f\u00b0" : "%.1f " + f.unit, f.field.help});
+      sliders.push_back({value, bite ? 0.5f : float(f.field.usual_from), float(to), w(name),
+                         f.unit == "degrees" ? "%.0f\u00b0" : "%.1f\u202f" + f.unit, w(f.field.help)});
     }
   return sliders;
 }

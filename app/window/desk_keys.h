@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/window/screen.h"
+#include "app/words/words.h"
 #include "devices/sample.h"
 
 namespace limberg {
@@ -22,28 +23,37 @@ struct DeskTool {
   const char* action = "";  // what comes of it, as the table of acts has it; empty: no sliders
 };
 inline constexpr std::array<DeskTool, 16> kDeskTools{
-    {{Tool::none, '1', false, "Look around", "The left button turns the view."},
-     {Tool::marker, '1', true, "Marker pen", "Draw on the skin; the line is measured and goes with the skin."},
-     {Tool::scalpel, '2', false, "Scalpel", "Press on the skin, draw, let go: a cut along the way.", "incise"},
-     {Tool::swab, '2', true, "Swab",
-      "Shows the bed under a flap while it is held. Pressed and drawn it wipes the pen off."},
-     {Tool::undermine, '3', false, "Undermine", "Draw once round what is to come off its bed.", "undermine"},
-     {Tool::excise, '4', false, "Excise", "Draw once round what is to be taken away.", "excise"},
-     {Tool::hook, '5', false, "Hook", "Press on the skin and carry it. Press at its handle to carry it on."},
-     {Tool::hook_out, '5', true, "Hook out", "Press at a hook or at its handle: it is taken out."},
-     {Tool::suture, '6', false, "Stitch", "Press beside one edge, let go beside the other."},
-     {Tool::suture_buried, '6', true, "Buried stitch", "The same; the bites lie in the walls of the wound.", "suture"},
-     {Tool::suture_row, '7', false, "Row of stitches", "Draw along one edge, then along the other.", "suture_row"},
-     {Tool::suture_running, '7', true, "Running stitch", "Draw along one edge, then along the other: one thread.",
+    {{Tool::none, '1', false, english("Look around"), english("The left button turns the view.")},
+     {Tool::marker, '1', true, english("Marker pen"),
+      english("Draw on the skin; the line is measured and goes with the skin.")},
+     {Tool::scalpel, '2', false, english("Scalpel"), english("Press on the skin, draw, let go: a cut along the way."),
+      "incise"},
+     {Tool::swab, '2', true, english("Swab"),
+      english("Shows the bed under a flap while it is held. Pressed and drawn it wipes the pen off.")},
+     {Tool::undermine, '3', false, english("Undermine"), english("Draw once round what is to come off its bed."),
+      "undermine"},
+     {Tool::excise, '4', false, english("Excise"), english("Draw once round what is to be taken away."), "excise"},
+     {Tool::hook, '5', false, english("Hook"),
+      english("Press on the skin and carry it. Press at its handle to carry it on.")},
+     {Tool::hook_out, '5', true, english("Hook out"), english("Press at a hook or at its handle: it is taken out.")},
+     {Tool::suture, '6', false, english("Stitch"), english("Press beside one edge, let go beside the other.")},
+     {Tool::suture_buried, '6', true, english("Buried stitch"),
+      english("The same; the bites lie in the walls of the wound."), "suture"},
+     {Tool::suture_row, '7', false, english("Row of stitches"), english("Draw along one edge, then along the other."),
       "suture_row"},
-     {Tool::suture_corner, '8', true, "Corner stitch",
-      "Press on one bank, let go in the flap's tip, then press on the other bank.", "suture_corner"},
-     {Tool::saw, '8', false, "Saw", "Draw once round on the bone."},
-     {Tool::grab, '9', false, "Grab", "Press on a piece of bone and carry it."},
-     {Tool::scissors, '0', false, "Scissors",
-      "Press beside a stitch: its thread is cut. Press at an edge of the wound and draw: tissue is.", "incise"}}};
+     {Tool::suture_running, '7', true, english("Running stitch"),
+      english("Draw along one edge, then along the other: one thread."), "suture_row"},
+     {Tool::suture_corner, '8', true, english("Corner stitch"),
+      english("Press on one bank, let go in the flap's tip, then press on the other bank."), "suture_corner"},
+     {Tool::saw, '8', false, english("Saw"), english("Draw once round on the bone.")},
+     {Tool::grab, '9', false, english("Grab"), english("Press on a piece of bone and carry it.")},
+     {Tool::scissors, '0', false, english("Scissors"),
+      english("Press beside a stitch: its thread is cut. Press at an edge of the wound and draw: tissue is."),
+      "incise"}}};
 /// "Shift+6".
-std::string key_words(const DeskTool& tool);
+std::string key_words(const DeskTool& tool, const Words& words = {});
+/// "look around, scalpel, ...", in the order of their keys.
+std::string tools_in_words(const Words& words);
 
 /// The tool that the hand has, and how it is set.
 struct HandChoice {
@@ -59,7 +69,7 @@ struct ToolSlider {
 };
 /// Of the fields of a tool's action (sim/commands/table.h) those that a hand sets, over what the table calls usual.
 /// max_depth_mm: how deep the scene allows.
-std::vector<ToolSlider> tool_sliders(Tool tool, double max_depth_mm);
+std::vector<ToolSlider> tool_sliders(Tool tool, double max_depth_mm, const Words& words = {});
 /// As the control that tells the device side of it.
 ControlSample control_of(const HandChoice& choice);
 
@@ -69,9 +79,9 @@ class Desk;
 
 /// A line of the help. Those that are heard as keys have their codes.
 struct DeskKey {
-  std::string keys, what;
-  std::array<int32_t, 4> code{};  // 0: none
-  bool control = false;           // with the control key held
+  const char *keys = "", *what = "";  // what: empty for the keys of the tools, which tools_in_words() tells
+  std::array<int32_t, 4> code{};      // 0: none
+  bool control = false;               // with the control key held
   HandKey hand = HandKey::none;
   void (*act)(Desk& desk, uint32_t mods) = nullptr;  // what the panels do, on the render thread
   const char* menu = "";                             // where it stands; empty: in none

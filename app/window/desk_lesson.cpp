@@ -14,12 +14,14 @@ using namespace desk_look;
 void DeskLesson::steps(const Coach& c, const char* title, float height, bool showing, bool& next, bool& clean,
                        bool& summary_open) {
   const CoachSays& says = c.says();
+  const Words& w = c.plan().w;
   heading(title);
   int m = int(c.mode());
   ImGui::PushItemWidth(-1);
   if (c.mode() == LessonMode::examination) {
-    ImGui::TextColored(ink::warn(), "Examination: nothing is shown");
-  } else if (ImGui::Combo("##mode", &m, "Guided lesson\0Free: no plan, no hints\0Examination\0")) {
+    text(ink::warn(), w("Examination: nothing is shown"));
+  } else if (choice("##mode", m, w,
+                    {english("Guided lesson"), english("Free: no plan, no hints"), english("Examination")})) {
     mode = LessonMode(m);
   }
   ImGui::PopItemWidth();
@@ -35,57 +37,59 @@ void DeskLesson::steps(const Coach& c, const char* title, float height, bool sho
                            : s.state == StepSeen::shown ? ink::shown()
                                                         : ink::good();
     const char* word = !plain                       ? ""
-                       : s.state == StepSeen::done  ? "  as planned"
-                       : s.state == StepSeen::off   ? "  off"
-                       : s.state == StepSeen::shown ? "  shown"
+                       : s.state == StepSeen::done  ? w("as planned")
+                       : s.state == StepSeen::off   ? w.as("of a step", "off")
+                       : s.state == StepSeen::shown ? w.as("of a step", "shown")
                                                     : "";
-    listed(colour, 22, std::to_string(i + 1).c_str(), (s.name + word).c_str());
+    listed(colour, 22, std::to_string(i + 1).c_str(), (s.name + (*word ? "  " : "") + word).c_str());
     if (s.state == StepSeen::now) ImGui::SetScrollHereY(0.3f);
   }
   ImGui::EndChild();
   if (c.mode() == LessonMode::examination) return;
   // Two buttons beside one another where their words have room.
   const float whole = ImGui::GetContentRegionAvail().x, part = 0.5f * (whole - ImGui::GetStyle().ItemSpacing.x);
-  const bool pairs = ImGui::CalcTextSize("... from the plan").x + 10 < part;
+  const bool pairs = ImGui::CalcTextSize(w("... from the plan")).x + 10 < part;
   const float half = pairs ? part : whole;
   const auto beside = [&] {
     if (pairs) ImGui::SameLine();
   };
   if (showing) {
-    ImGui::TextColored(ink::shown(), "being shown ...");
+    text(ink::shown(), w("being shown ..."));
     ImGui::Dummy({0, ImGui::GetFrameHeight() - ImGui::GetTextLineHeight() - ImGui::GetStyle().ItemSpacing.y});
   } else if (!says.finished) {
     const int undos = says.undos_to_plan;
-    if (ImGui::Button("Show me   N", {undos > 0 ? half : -1, 0})) next = true;
+    if (button(w, "Show me   N", undos > 0 ? half : -1)) next = true;
     if (undos > 0) {
       beside();
-      if (ImGui::Button("... from the plan", {half, 0})) clean = true;
-      if (ImGui::IsItemHovered())
-        ImGui::SetTooltip("takes back what is off (%d %s), then shows", undos, undos == 1 ? "act" : "acts");
+      if (button(w, "... from the plan", half)) clean = true;
+      tip(w.counted(undos, "takes back what is off ({} act), then shows",
+                    "takes back what is off ({} acts), then shows", undos));
     }
   }
-  if (ImGui::Button("How it went   J", {half, 0})) summary_open = !summary_open;
+  if (button(w, "How it went   J", half)) summary_open = !summary_open;
   beside();
-  if (ImGui::Button("Try again", {half, 0}) && !showing) again = true;
+  if (button(w, "Try again", half) && !showing) again = true;
 }
 
-float DeskLesson::next_step(const Coach& c, float x, float y, float w, float most, std::vector<FrameRect>& covered) {
+float DeskLesson::next_step(const Coach& c, float x, float y, float width, float most,
+                            std::vector<FrameRect>& covered) {
   const CoachSays& says = c.says();
+  const Words& w = c.plan().w;
   if (c.mode() != LessonMode::guided || c.plan().steps.empty()) return y;
   ImGui::SetNextWindowPos({x + 6, y + 6});
-  ImGui::SetNextWindowSizeConstraints({w - 12, 0}, {w - 12, most});
+  ImGui::SetNextWindowSizeConstraints({width - 12, 0}, {width - 12, most});
   ImGui::SetNextWindowBgAlpha(0.82f);
   ImGui::Begin("next step", nullptr, kPanel | ImGuiWindowFlags_AlwaysAutoResize);
-  ImGui::PushTextWrapPos(w - 26);
+  ImGui::PushTextWrapPos(width - 26);
   if (says.finished) {
-    ImGui::TextColored(ink::good(), "All steps are done. J shows how it went.");
+    text(ink::good(), w("All steps are done. J shows how it went."));
   } else {
     const TeachingStep& t = c.plan().steps[says.step];
-    ImGui::TextColored(ink::quiet(), "Step %d of %d", int(says.step) + 1, int(c.plan().steps.size()));
+    text(ink::quiet(), w("Step {} of {}", says.step + 1, c.plan().steps.size()));
     ImGui::SameLine();
-    ImGui::TextColored(ink::plain(), "%s", t.words.stage.c_str());
+    text(ink::plain(), t.name);
     if (says.question) {
-      ImGui::TextUnformatted("Before you go on:");
+      text(w("Before you go on:"));
       ImGui::SameLine();
       ImGui::TextWrapped("%s", says.question->ask.c_str());
       for (size_t i = 0; i < says.question->answers.size(); ++i) {
@@ -95,14 +99,14 @@ float DeskLesson::next_step(const Coach& c, float x, float y, float w, float mos
         ImGui::TextWrapped("%s", says.question->answers[i].c_str());
         ImGui::PopID();
       }
-      ImGui::TextColored(ink::quiet(), "Then: %s", says.say.c_str());
+      text(ink::quiet(), w("Then: {}", says.say));
     } else {
       if (!says.answer.empty()) ImGui::TextColored(ink::good(), "%s", says.answer.c_str());
       ImGui::TextUnformatted(says.say.c_str());
-      if (!says.why.empty()) ImGui::TextColored(ink::quiet(), "Why: %s", says.why.c_str());
-      if (t.acts > 1 && says.act != says.say) ImGui::TextColored(ink::plain(), "Now: %s.", says.act.c_str());
+      if (!says.why.empty()) text(ink::quiet(), w("Why: {}", says.why));
+      if (t.acts > 1 && says.act != says.say) text(ink::plain(), w("Now: {}.", says.act));
       if (!says.limit.empty()) ImGui::TextColored(ink::quiet(), "%s", says.limit.c_str());
-      if (!says.hint.empty()) ImGui::TextColored(ink::hint(), "Hint: %s", says.hint.c_str());
+      if (!says.hint.empty()) text(ink::hint(), w("Hint: {}", says.hint));
     }
   }
   ImGui::PopTextWrapPos();
@@ -120,10 +124,11 @@ void DeskLesson::stroke(const Coach& c, float x, float w, float bottom) {
   ImGui::SetNextWindowSizeConstraints({width, 0}, {width, 300});
   ImGui::SetNextWindowBgAlpha(0.85f);
   ImGui::Begin("stroke", nullptr, kPanel | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs);
+  constexpr float kName = 72;
   for (const LiveRow& r : says.stroke) {
     const ImVec4& colour = r.share <= 0.7 ? ink::good() : r.share <= 1 ? ink::warn() : ink::bad();
     ImGui::TextColored(ink::quiet(), "%s", r.name.c_str());
-    ImGui::SameLine(72);
+    ImGui::SameLine(kName);
     ImGui::TextColored(colour, "%s", r.words.c_str());
     ImGui::SameLine(0.62f * width);
     // A bar: its end is what may be off.
@@ -147,7 +152,8 @@ void DeskLesson::summary(const Coach& c, int width, int height, bool& open, std:
   ImGui::SetNextWindowPos({0.5f * float(width), 0.5f * float(height)}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowSizeConstraints({wide, 0}, {wide, float(height) - 20});
   ImGui::SetNextWindowBgAlpha(0.96f);
-  ImGui::Begin("How it went", &open,
+  const Words& w = c.plan().w;
+  ImGui::Begin((std::string(w("How it went")) + "###How it went").c_str(), &open,
                ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse);
   const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
   covered.push_back({at.x, at.y, at.x + size.x, at.y + size.y});
@@ -157,9 +163,9 @@ void DeskLesson::summary(const Coach& c, int width, int height, bool& open, std:
                         ImGuiTableFlags_RowBg | ImGuiTableFlags_ScrollY | ImGuiTableFlags_BordersInnerV,
                         {0, std::max(table_height, 80.0f)})) {
     ImGui::TableSetupScrollFreeze(0, 1);
-    ImGui::TableSetupColumn("step or figure", ImGuiTableColumnFlags_WidthStretch, 0.8f);
+    ImGui::TableSetupColumn(w("step or figure"), ImGuiTableColumnFlags_WidthStretch, 0.8f);
     for (size_t k = first; k < tries.size(); ++k) {
-      const std::string name = k + 1 < tries.size() ? fmt::format("try {}", k + 1) : "this try";
+      const std::string name = k + 1 < tries.size() ? w("try {}", k + 1) : w("this try");
       ImGui::TableSetupColumn(name.c_str(), ImGuiTableColumnFlags_WidthStretch, 1);
     }
     ImGui::TableHeadersRow();
@@ -186,15 +192,15 @@ void DeskLesson::summary(const Coach& c, int width, int height, bool& open, std:
   }
   ImGui::Spacing();
   if (now.better.empty()) {
-    ImGui::TextColored(ink::good(), "%s",
-                       c.says().finished ? "Nothing to mend in this try." : "Nothing to mend so far.");
+    text(ink::good(),
+         w(c.says().finished ? english("Nothing to mend in this try.") : english("Nothing to mend so far.")));
   } else {
-    ImGui::TextColored(ink::quiet(), "To do better");
+    text(ink::quiet(), w("To do better"));
     for (size_t i = 0; i < now.better.size(); ++i) ImGui::TextWrapped("%d  %s", int(i) + 1, now.better[i].c_str());
   }
   ImGui::Spacing();
   ImGui::PushStyleColor(ImGuiCol_Text, ink::quiet());
-  ImGui::TextWrapped("What the program has shown is not judged. The whole verdict comes when the session ends.");
+  wrapped(w("What the program has shown is not judged. The whole verdict comes when the session ends."));
   ImGui::PopStyleColor();
   ImGui::End();
 }

@@ -19,7 +19,7 @@ struct DeskLesson {
   void steps(const Coach& coach, const char* title, float height, bool showing, bool& next, bool& clean, bool& summary);
   /// Over the patient, from `y` down, between x and x + w, at most `most` high. Returns where it ends; what it covers
   /// goes into `covered`.
-  float next_step(const Coach& coach, float x, float y, float w, float most, std::vector<FrameRect>& covered);
+  float next_step(const Coach& coach, float x, float y, float width, float most, std::vector<FrameRect>& covered);
   /// How the stroke lies against the plan, above `bottom`.
   void stroke(const Coach& coach, float x, float w, float bottom);
   /// How it went: each try a column; three things to do better.

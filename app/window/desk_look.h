@@ -3,7 +3,11 @@
 // desk only.
 #include <imgui.h>
 
+#include <initializer_list>
 #include <string>
+#include <vector>
+
+#include "app/words/words.h"
 
 namespace limberg::desk_look {
 
@@ -50,6 +54,21 @@ inline void listed(const ImVec4& colour, float indent, const char* before, const
   ImGui::SameLine(indent);
   ImGui::TextWrapped("%s", words);
   ImGui::PopStyleColor();
+}
+
+inline void text(const std::string& words) { ImGui::TextUnformatted(words.c_str()); }
+inline void text(const ImVec4& colour, const std::string& words) { ImGui::TextColored(colour, "%s", words.c_str()); }
+inline void wrapped(const std::string& words) { ImGui::TextWrapped("%s", words.c_str()); }
+/// A button of its place's name in another language: what it is called has no part in what it is.
+inline bool button(const Words& w, const char* english, float width = 0) {
+  return ImGui::Button(w(english), {width, 0});
+}
+
+/// A choice of words.
+inline bool choice(const char* id, int& value, const Words& w, std::initializer_list<const char*> english) {
+  std::vector<const char*> shown;
+  for (const char* e : english) shown.push_back(w(e));
+  return ImGui::Combo(id, &value, shown.data(), int(shown.size()));
 }
 
 }  // namespace limberg::desk_look

@@ -25,8 +25,9 @@ void Desk::legend(const DeskReading& r, const FrameRect& stage) {
   ImGui::SetNextWindowSize({120, bar + 108});
   ImGui::SetNextWindowBgAlpha(0.88f);
   ImGui::Begin("legend", nullptr, kPanel | ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoScrollbar);
-  ImGui::TextWrapped("%s", look.title);
-  ImGui::TextColored(ink::quiet(), "%s", look.unit);
+  const Words& w = facts_.w;
+  wrapped(w(look.title));
+  text(ink::quiet(), w(look.unit));
   ImDrawList& d = *ImGui::GetWindowDrawList();
   const float x0 = left + 12, y0 = top + 84, x1 = x0 + 18;
   const auto at = [&](double t) {
@@ -48,7 +49,7 @@ void Desk::legend(const DeskReading& r, const FrameRect& stage) {
     const double v = r.field->lo + k * step;
     const float y = y0 + bar * float(1 - (v - r.field->lo) / range);
     d.AddLine({x1, y}, {x1 + 5, y}, IM_COL32(240, 245, 245, 255));
-    d.AddText({x1 + 9, y - 8}, IM_COL32(240, 245, 245, 255), tick_label(v, step).c_str());
+    d.AddText({x1 + 9, y - 8}, IM_COL32(240, 245, 245, 255), w.said(tick_label(v, step)).c_str());
   }
   ImGui::End();
 }
@@ -56,8 +57,10 @@ void Desk::legend(const DeskReading& r, const FrameRect& stage) {
 void Desk::compared(const DeskReading& r, const FrameRect& stage) {
   if (state.compare != Compare::off) {
     const bool wipe = state.compare == Compare::wipe;
-    const char *const earlier = r.earlier_try ? "earlier try" : "before", *const later =
-                                                                              r.earlier_try ? "this try" : "after";
+    const Words& w = facts_.w;
+    const char *const earlier = r.earlier_try ? w("earlier try") : w("before"), *const later = r.earlier_try
+                                                                                                   ? w("this try")
+                                                                                                   : w("after");
     const float left = stage.x0, right = stage.x1,
                 border = wipe ? left + state.wipe * (right - left) : 0.5f * (left + right);
     ImDrawList& d = *ImGui::GetBackgroundDrawList();
@@ -108,9 +111,10 @@ void Desk::ruler(const DeskReading& r, const std::vector<Vec3f>& ruler_px) {
       if (i > 0) d.AddLine({ruler_px[i - 1].x(), ruler_px[i - 1].y()}, {ruler_px[i].x(), ruler_px[i].y()}, ink, 2);
       d.AddCircleFilled({ruler_px[i].x(), ruler_px[i].y()}, 4, ink);
     }
-    std::string text = "second point?";
-    if (ruler_px.size() >= 2) text = fmt::format("{:.1f} mm ({:.1f} at rest)", r.ruler.length_mm, r.ruler.rest_mm);
-    if (ruler_px.size() == 3) text += fmt::format(", {:.1f}\u00b0", r.ruler.angle_deg);
+    const Words& w = facts_.w;
+    std::string text = w("second point?");
+    if (ruler_px.size() >= 2) text = w("{:.1f} mm ({:.1f} at rest)", r.ruler.length_mm, r.ruler.rest_mm);
+    if (ruler_px.size() == 3) text += w(", {:.1f}\u00b0", r.ruler.angle_deg);
     const Vec3f& p = ruler_px.back();
     const ImVec2 size = ImGui::CalcTextSize(text.c_str());
     d.AddRectFilled({p.x() + 8, p.y() + 4}, {p.x() + 16 + size.x, p.y() + 10 + size.y}, IM_COL32(15, 22, 26, 200), 3);

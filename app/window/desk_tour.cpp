@@ -17,36 +17,41 @@ struct Card {
   FrameRect DeskLayout::*panel;
 };
 constexpr Card kCard[DeskTour::kCards] = {
-    {"The patient",
-     "The right mouse button turns the view, the wheel comes nearer, the middle one shifts. Without a mouse: arrows "
-     "lead "
-     "the tool, Enter presses and lets go, Ctrl+arrows turn the view.",
+    {english("The patient"),
+     english("The right mouse button turns the view, the wheel comes nearer, the middle one shifts. Without a mouse: "
+             "arrows "
+             "lead "
+             "the tool, Enter presses and lets go, Ctrl+arrows turn the view."),
      &DeskLayout::stage},
-    {"Tools",
-     "Choose one here or by its number, and use it with the left button. Rest the mouse on a tool: it says what the "
-     "hand "
-     "does. Depth, angle and spacing stand below.",
+    {english("Tools"),
+     english("Choose one here or by its number, and use it with the left button. Rest the mouse on a tool: it says "
+             "what the "
+             "hand "
+             "does. Depth, angle and spacing stand below."),
      &DeskLayout::tools},
-    {"What to do",
-     "The lesson's steps, with what was off. N shows the next act. Below stand stitches with their forces, hooks, and "
-     "all "
-     "that was done.",
+    {english("What to do"),
+     english("The lesson's steps, with what was off. N shows the next act. Below stand stitches with their forces, "
+             "hooks, and "
+             "all "
+             "that was done."),
      &DeskLayout::patient},
-    {"Back and forth",
-     "Ctrl+Z takes an act back, Ctrl+Y does it again. U shows every act with its picture: click on one to go there.",
+    {english("Back and forth"),
+     english("Ctrl+Z takes an act back, Ctrl+Y does it again. U shows every act with its picture: click on one to go "
+             "there."),
      &DeskLayout::stage},
-    {"How the session runs",
-     "How fast hand, patient and pictures are, and whether the tissue has come to rest: measure when it has.",
+    {english("How the session runs"),
+     english("How fast hand, patient and pictures are, and whether the tissue has come to rest: measure when it has."),
      &DeskLayout::lanes},
-    {"Everything else",
-     "The menus hold every choice with its key; F1 lists the keys. Larger letters and colours for a projector are "
-     "under "
-     "View. This tour is under Help.",
+    {english("Everything else"),
+     english(
+         "The menus hold every choice with its key; F1 lists the keys. Larger letters and colours for a projector are "
+         "under "
+         "View. This tour is under Help."),
      &DeskLayout::menu}};
 
 }  // namespace
 
-void DeskTour::draw(const DeskLayout& l, std::vector<FrameRect>& covered) {
+void DeskTour::draw(const DeskLayout& l, std::vector<FrameRect>& covered, const Words& w) {
   if (!open()) return;
   constexpr float kWidth = 320;
   const Card& c = kCard[card_ - 1];
@@ -59,15 +64,15 @@ void DeskTour::draw(const DeskLayout& l, std::vector<FrameRect>& covered) {
   ImGui::SetNextWindowSizeConstraints({width, 0}, {width, high(l.stage)});
   ImGui::SetNextWindowBgAlpha(0.96f);
   ImGui::Begin("tour", nullptr, kPanel | ImGuiWindowFlags_AlwaysAutoResize);
-  ImGui::TextColored(ink::quiet(), "A tour of one minute, %d of %d", card_, kCards);
-  ImGui::TextColored(ink::hint(), "%s", c.title);
-  ImGui::TextWrapped("%s", c.words);
+  text(ink::quiet(), w("A tour of one minute, {} of {}", card_, int(kCards)));
+  text(ink::hint(), w(c.title));
+  wrapped(w(c.words));
   ImGui::Spacing();
-  if (ImGui::Button("Skip  Esc")) end();
+  if (button(w, "Skip  Esc")) end();
   ImGui::SameLine();
-  if (card_ > 1 && ImGui::Button("Back")) back();
+  if (card_ > 1 && button(w, "Back")) back();
   if (card_ > 1) ImGui::SameLine();
-  if (ImGui::Button(card_ < kCards ? "Next  Enter" : "Begin  Enter")) next();
+  if (button(w, card_ < kCards ? english("Next  Enter") : english("Begin  Enter"))) next();
   const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
   covered.push_back({at.x, at.y, at.x + size.x, at.y + size.y});
   ImGui::End();

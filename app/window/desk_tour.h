@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "app/window/desk_layout.h"
+#include "app/words/words.h"
 
 namespace limberg {
 
@@ -16,7 +17,7 @@ class DeskTour {
   void back() { card_ = card_ > 1 ? card_ - 1 : card_; }
   int card() const { return card_; }
   /// What the card covers goes into `covered`.
-  void draw(const DeskLayout& layout, std::vector<FrameRect>& covered);
+  void draw(const DeskLayout& layout, std::vector<FrameRect>& covered, const Words& words);
 
  private:
   int card_ = 0;  // 0: closed

@@ -59,7 +59,7 @@ void PenSheet::follow(const ToolState& hand) {
   if (hand.pressed && (wet_.empty() || (tip - wet_.back()).norm() > float(kStep_mm))) wet_.push_back(tip);
 }
 
-void PenSheet::draw(const Snapshot& s) {
+void PenSheet::draw(const Snapshot& s, const Words& w) {
   props_.clear(), lengths_.clear();
   if (!has_surface(s) || !s.topology->body) return;
   if (wet_.size() > 1) tube(props_, wet_);
@@ -85,9 +85,8 @@ void PenSheet::draw(const Snapshot& s) {
     if (seen && rest_mm < kShort_mm)
       add_ellipsoid(props_, end, kDot_mm * Vec3f::UnitX(), kDot_mm * Vec3f::UnitY(), kDot_mm * Vec3f::UnitZ(), kInk, 5);
     else if (seen)
-      lengths_.push_back({end, std::abs(now_mm - rest_mm) < 0.05
-                                   ? fmt::format("{:.1f} mm", now_mm)
-                                   : fmt::format("{:.1f} mm ({:.1f} at rest)", now_mm, rest_mm)});
+      lengths_.push_back({end, std::abs(now_mm - rest_mm) < 0.05 ? w("{:.1f} mm", now_mm)
+                                                                 : w("{:.1f} mm ({:.1f} at rest)", now_mm, rest_mm)});
   }
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "app/words/words.h"
 #include "devices/skin_chart.h"
 #include "devices/tool_event.h"
 #include "render/props.h"
@@ -23,7 +24,7 @@ class PenSheet {
     std::string text;             // along the line, now and at rest
   };
   /// What is to be drawn over this patient. Over a hole a line is broken.
-  void draw(const Snapshot& patient);
+  void draw(const Snapshot& patient, const Words& words);
   const PropMesh& props() const { return props_; }
   const std::vector<Length>& lengths() const { return lengths_; }
   size_t lines() const { return lines_.size(); }

@@ -15,19 +15,20 @@ namespace {
 DeskFacts facts(const Scene& scene, const WindowCall& call) {
   DeskFacts f;
   f.scene = scene.name;
-  f.device = call.device.empty() ? "mouse" : call.device;
+  f.w = call.w;
+  f.device = call.device.empty() ? english("mouse") : call.device;
   f.own_device = call.own_device, f.calibrated = call.calibrated;
   f.recording = call.recording;
-  f.goal = call.lesson ? call.lesson->goal : scene.note;
+  f.goal = call.w(call.lesson ? call.lesson->goal : scene.note);
   f.head = scene.head.has_value(), f.skin = scene.flesh;
   f.max_depth_mm = scene.tools.max_depth_mm;
-  f.word = call.word;
+  f.word = call.w.said(call.word);
   return f;
 }
 
 std::optional<LessonPlan> plan(const WindowCall& call) {
   if (call.script.empty()) return std::nullopt;
-  return make_lesson_plan(call.lesson ? &*call.lesson : nullptr, call.script);
+  return make_lesson_plan(call.lesson ? &*call.lesson : nullptr, call.script, call.w);
 }
 
 class MouseWindow final : public SessionWindow {
@@ -40,7 +41,7 @@ class MouseWindow final : public SessionWindow {
         frames_(*screen_, feed_, &gauges_,
                 {facts(scene, call), scene_camera(scene), call.picture_dir, plan(call), call.mode, desk_memory_file(),
                  call.headset}) {
-    show_words(*screen_, scene.head ? "Making the head ..." : "Making the patient ...");
+    show_words(*screen_, call.w(scene.head ? english("Making the head ...") : english("Making the patient ...")));
     screen_->on_event = [this](const WindowEvent& e) { router_.take(e); };
   }
   PictureSink& sink() override { return frames_; }

@@ -10,6 +10,7 @@
 #include "app/scene/scene.h"
 #include "app/session/session.h"
 #include "app/teaching/coach.h"
+#include "app/words/words.h"
 
 namespace limberg {
 
@@ -24,6 +25,7 @@ struct WindowCall {
   LessonMode mode = LessonMode::guided;
   std::string word;                        // said first; may be empty
   bool mouse = true;                       // the mouse uses tools (else it only chooses and looks)
+  Words w;                                 // the language of all that is seen
   std::shared_ptr<HeadsetShared> headset;  // its tablet is the window; null: there is none
 };
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "app/head/skull_comparison.h"
+#include "app/words/words.h"
 
 namespace limberg {
 
@@ -45,13 +46,14 @@ const Snapshot* SkullView::show(SkullBeside with, const Snapshot& first, const S
     } else if (!other_->reason.empty()) {
       word_ = other_->reason;
     } else {
-      const std::string text = fmt::format("{:.2f} mm rms from {}", f.rms_mm,
-                                           with == SkullBeside::normal ? "a normal skull" : "its mirror image");
+      const std::string text = with == SkullBeside::normal
+                                   ? fmt::format(english("{:.2f} mm rms from a normal skull"), f.rms_mm)
+                                   : fmt::format(english("{:.2f} mm rms from its mirror image"), f.rms_mm);
       word_ = text, shown_ = std::move(f.shown);
     }
   }
   const bool failed = other_ && !other_->reason.empty();
-  if (!other_) word_ = "laying the skull upon the other ...";
+  if (!other_) word_ = english("laying the skull upon the other ...");
   if (!work_.valid() && !failed && now.x_mm != measured_) {
     measured_ = now.x_mm;
     work_ =

@@ -46,6 +46,7 @@ struct WindowFrames::Impl {
   HandFeed& feed;
   const LaneGauges* gauges;
   WindowSettings set;
+  const Words w = set.facts.w;
   Desk desk;
   Ruler ruler;
   LiveMeasures measures;
@@ -206,8 +207,8 @@ struct WindowFrames::Impl {
     const DeskKey* k = desk_key(e.code, e.mods);
     if (!k) return;
     if (k->hand == HandKey::tool && e.down) desk.took(tool_of_key(e.code, e.mods)->tool);
-    if (k->hand == HandKey::cursor && e.down) desk.say("the surface cursor of a stylus has another gain, or is off");
-    if (k->hand == HandKey::clutch) desk.say(e.down ? "clutch: the hands move, what they hold does not" : "");
+    if (k->hand == HandKey::cursor && e.down) desk.say(w("the surface cursor of a stylus has another gain, or is off"));
+    if (k->hand == HandKey::clutch) desk.say(e.down ? w("clutch: the hands move, what they hold does not") : "");
   }
 
   /// A command of a panel, on its way to the patient. What no script can hold is said instead.
@@ -250,10 +251,10 @@ struct WindowFrames::Impl {
     }
     if (set.headset) {
       if (d.headset) set.headset->wanted = !set.headset->wanted;
-      if (d.headset && set.headset->wanted) desk.say("the headset is looked for");
-      for (std::string line; set.headset->shown_words.take(line);) desk.say(line);
+      if (d.headset && set.headset->wanted) desk.say(w("the headset is looked for"));
+      for (std::string line; set.headset->shown_words.take(line);) desk.say(w.said(line));
     } else if (d.headset) {
-      desk.say("no headset's runtime is installed here; expected OpenXR's (docs/devices.md)");
+      desk.say(w("no headset's runtime is installed here; expected OpenXR's (docs/devices.md)"));
     }
     if (coach) teach();
     if (d.home) camera = set.camera;
@@ -274,8 +275,8 @@ struct WindowFrames::Impl {
     if ((d.next || d.next_clean) && !feed.showing) {
       const Showing show = coach->showing(d.next_clean);
       if (show.acts.empty())
-        desk.say(coach->mode() == LessonMode::examination ? "In an examination nothing is shown."
-                                                          : "There is nothing more to show.");
+        desk.say(w(coach->mode() == LessonMode::examination ? english("In an examination nothing is shown.")
+                                                            : english("There is nothing more to show.")));
       else
         feed.answers.push(ShowActs{show.undos, std::make_shared<const std::vector<Command>>(show.acts)});
     }
@@ -289,7 +290,8 @@ struct WindowFrames::Impl {
     const auto& steps = coach->says().steps;
     for (; staged < std::min(coach->says().step, steps.size()); ++staged) {
       ControlSample c;
-      c.kind = ControlSample::stage, c.value[0] = double(staged) + 1, c.text = ShortText(steps[staged].name);
+      c.kind = ControlSample::stage, c.value[0] = double(staged) + 1,
+      c.text = ShortText(coach->plan().steps[staged].words.stage);
       feed.answers.push(c);
       if (staged + 1 == steps.size()) d.summary = coach->mode() != LessonMode::free_hand;
     }
@@ -318,7 +320,7 @@ struct WindowFrames::Impl {
     while (std::filesystem::exists(file, ec));
     try {
       write_png(file, image);
-      desk.say("picture: " + file);
+      desk.say(w("picture: {}", file));
     } catch (const InputError& e) {
       desk.say(e.what());
     }
@@ -462,7 +464,7 @@ struct WindowFrames::Impl {
       builder.add_lines(sheet.lines());
     }
     pen.follow(tool);
-    pen.draw(s);
+    pen.draw(s, w);
     builder.add_props(pen.props());
     if (Tool(tool.tool) == Tool::swab && tool.valid) builder.show_beds(s);
     field = desk.state.field == SkinField::none ? nullptr : &fields.show(desk.state.field, s);
@@ -484,7 +486,7 @@ struct WindowFrames::Impl {
     if (!gauges) return;
     if (const std::string words = pace.look(LaneGauges::get(gauges->tick), LaneGauges::get(gauges->behind_ms));
         !words.empty())
-      desk.say(words);
+      desk.say(w.said(words));
     const int64_t tick = LaneGauges::get(gauges->tick), samples = LaneGauges::get(gauges->samples);
     if (tick - rate_tick < 1000) return;
     const double per_s = double(LaneGauges::get(gauges->pace_permille));  // ticks that pass in a second
@@ -504,7 +506,7 @@ struct WindowFrames::Impl {
     r.at_leisure = at_leisure && desk.state.quality == 0;
     r.field = field, r.samples_per_s = samples_per_s, r.pictures_per_s = pictures_per_s;
     if (skull_shown) {
-      static constexpr SkinFieldLook kDistance{"Distance", "Distance from the other skull", "mm",
+      static constexpr SkinFieldLook kDistance{english("Distance"), english("Distance from the other skull"), "mm",
                                                ColourScale::magnitude, 1};
       r.field = &distance, r.look = &kDistance;
     }
@@ -534,7 +536,7 @@ struct WindowFrames::Impl {
     if (!ImGui::GetIO().WantCaptureMouse)
       hit = cast_ray(s, view.eye_mm, view.ray_through(x, y, width, height), desk.state.face == kHidden);
     if (hit.triangle < 0 && !set.facts.own_device)
-      return desk.say("nothing lies under the mouse: point at bone or face and press K");
+      return desk.say(w("nothing lies under the mouse: point at bone or face and press K"));
     const auto said = desk.state.head.picked(s, hit.triangle, hit.bary);
     if (const auto* c = std::get_if<Command>(&said)) give(*c);
     if (const auto* c = std::get_if<ControlSample>(&said)) feed.answers.push(*c);
@@ -670,7 +672,7 @@ void WindowFrames::missed(const MissedPress& press, const Snapshot& snapshot) {
   if (impl_->coach)
     impl_->coach->missed(press, snapshot);
   else
-    impl_->desk.say(why_missed(press, snapshot));
+    impl_->desk.say(why_missed(press, snapshot, impl_->w));
   impl_->unseen = 2;
 }
 

@@ -27,6 +27,8 @@
 #include "app/study/ranges.h"
 #include "app/study/slurm_words.h"
 #include "app/study/task_file.h"
+#include "app/words/word_table.h"
+#include "app/words/words.h"
 #include "calibration/calibration.h"
 #include "calibration/points_file.h"
 #include "sim/base/error.h"
@@ -272,6 +274,22 @@ Entry window_memory_entry(const Folder& folder) {
       });
 }
 
+Entry words_entry() {
+  return text_entry(
+      "words", {"app/words/po_file.cpp"},
+      {"msgid \"\"\nmsgstr \"\"\n\"Language: de\\n\"\n\"Plural-Forms: nplurals=2; plural=(n != 1);\\n\"\n\n"
+       "msgctxt \"tool\"\nmsgid \"{:.1f} mm of {}\"\nmsgstr \"von {1} {0:.1f} mm\"\n\n#, fuzzy\nmsgid \"{} act\"\n"
+       "msgid_plural \"{} acts\"\nmsgstr[0] \"{} Tat\"\nmsgstr[1] \"{} Taten\"\n",
+       "msgid \"{} and {}\"\nmsgstr \"{} und {}\"\n"},
+      [](const std::string& text) -> std::string {
+        std::vector<WordsFault> faults;
+        const PoFile po = parse_po(text, "table");
+        const Words w(std::make_shared<WordTable>(table_of(po, nullptr, faults)));
+        for (const PoEntry& e : po.entries) w(e.english.c_str()), w.said(e.english), w.said(text);
+        return w.language().empty() ? "a table of no language" : "";
+      });
+}
+
 Entry trials_entry() {
   bench::AccuracyTrial t;
   t.cell_mm = 3.5, t.iterations = 8, t.nodes = 100, t.frame_ms = 1.25;
@@ -352,6 +370,7 @@ std::vector<Entry> text_entries(const Folder& folder) {
   all.push_back(member_entry(folder));
   add_cluster_entries(all, folder);
   all.push_back(trials_entry());
+  all.push_back(words_entry());
   all.push_back(text_entry("points", {"calibration/points_file.cpp", "app/commands/calibrate.cpp"},
                            {"# touched\n0 0 1\n1,2;3 # corner\n\n-4e1 5 6\n"},
                            [](const std::string& text) -> std::string {

@@ -29,6 +29,7 @@ const std::map<std::string, std::string> kNone{
     {"app/commands/check.cpp", "gives a file to the reader of its kind"},
     {"app/class/gather.cpp", "gives a file to the reader of its kind"},
     {"app/commands/class.cpp", "gives a result to its reader, and hashes a lesson"},
+    {"app/commands/words.cpp", "prints the list of texts as it stands"},
     {"app/commands/rooms.cpp", "gives an emulated hand to its reader"},
     {"app/commands/operate.cpp", "gives a script to its reader"},
     {"app/commands/this_call.cpp", "the words of this call"},

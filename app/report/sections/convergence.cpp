@@ -17,15 +17,15 @@ struct ConvergenceColumn {
   bool difference;  // against the row above
 };
 const ConvergenceColumn kConvergence[] = {
-    {"Cell", "mm", [](const ResultConvergence& r) { return r.cell_mm; }, false},
-    {"Lattice nodes", "", [](const ResultConvergence& r) { return r.nodes ? Maybe(double(*r.nodes)) : Maybe(); },
-     false},
-    {"Closure force", "N", [](const ResultConvergence& r) { return r.closure_force_N; }, true},
-    {"Largest suture force", "N", [](const ResultConvergence& r) { return r.suture_force_max_N; }, true},
-    {"Largest gap", "mm", [](const ResultConvergence& r) { return r.suture_gap_max_mm; }, true},
-    {"Dog-ear", "mm", [](const ResultConvergence& r) { return r.dog_ear_mm; }, true},
-    {"Residual", "", [](const ResultConvergence& r) { return r.residual; }, false},
-    {"Solve", "ms", [](const ResultConvergence& r) { return r.solve_ms; }, false}};
+    {english("Cell"), "mm", [](const ResultConvergence& r) { return r.cell_mm; }, false},
+    {english("Lattice nodes"), "",
+     [](const ResultConvergence& r) { return r.nodes ? Maybe(double(*r.nodes)) : Maybe(); }, false},
+    {english("Closure force"), "N", [](const ResultConvergence& r) { return r.closure_force_N; }, true},
+    {english("Largest suture force"), "N", [](const ResultConvergence& r) { return r.suture_force_max_N; }, true},
+    {english("Largest gap"), "mm", [](const ResultConvergence& r) { return r.suture_gap_max_mm; }, true},
+    {english("Dog-ear"), "mm", [](const ResultConvergence& r) { return r.dog_ear_mm; }, true},
+    {english("Residual"), "", [](const ResultConvergence& r) { return r.residual; }, false},
+    {english("Solve"), "ms", [](const ResultConvergence& r) { return r.solve_ms; }, false}};
 
 html::Markup cell_of(const ConvergenceColumn& c, const ResultConvergence& row, const ResultConvergence* above) {
   const Maybe v = c.value(row);
@@ -39,15 +39,16 @@ html::Markup cell_of(const ConvergenceColumn& c, const ResultConvergence& row, c
 
 html::Markup lattice_errors(const ReportData& d) {
   if (d.errors.empty()) return {};
+  const Words& w = d.w;
   std::vector<html::Row> rows;
   for (const auto& [name, e] : d.errors)
     rows.push_back({html::code(name), quantity(e.value, ""), quantity(e.error, "", 2), quantity(e.extrapolated, ""),
-                    quantity(e.order, "", 2), html::soft_cell(e.says)});
+                    quantity(e.order, "", 2), html::soft_cell(w.said(e.says))});
   return html::paragraph(
-             "What the lattice does to each figure: the finest value, its estimated error (Eça and Hoekstra, 2014), "
-             "and what it tends to as the cells shrink. Where the sizes are not in the asymptotic range nothing is "
-             "extrapolated, and the error is taken three times as large.") +
-         html::table({"Figure", "finest", "±", "limit", "order", ""}, rows);
+             w("What the lattice does to each figure: the finest value, its estimated error (Eça and Hoekstra, 2014), "
+               "and what it tends to as the cells shrink. Where the sizes are not in the asymptotic range nothing is "
+               "extrapolated, and the error is taken three times as large.")) +
+         html::table({w("Figure"), w("finest"), "±", w("limit"), w("order"), ""}, rows);
 }
 
 }  // namespace
@@ -55,17 +56,19 @@ html::Markup lattice_errors(const ReportData& d) {
 html::Markup convergence(const ReportSource& source) {
   const std::vector<ResultConvergence>& runs = source.d.convergence;
   if (runs.empty()) return {};
+  const Words& w = source.d.w;
   html::Row head;
   std::vector<html::Row> rows(runs.size());
   for (const ConvergenceColumn& c : kConvergence) {
     if (std::none_of(runs.begin(), runs.end(), [&](const ResultConvergence& r) { return bool(c.value(r)); })) continue;
-    head.push_back(c.name);
+    head.push_back(w(c.name));
     for (size_t i = 0; i < runs.size(); ++i) rows[i].push_back(cell_of(c, runs[i], i > 0 ? &runs[i - 1] : nullptr));
   }
-  return html::section("Finer cells, same answer?",
-                       html::paragraph("The same script at several lattice sizes. In brackets: change against the row "
-                                       "above; it should shrink.") +
-                           html::table(head, rows) + lattice_errors(source.d));
+  return html::section(
+      w("Finer cells, same answer?"),
+      html::paragraph(w("The same script at several lattice sizes. In brackets: change against the row "
+                        "above; it should shrink.")) +
+          html::table(head, rows) + lattice_errors(source.d));
 }
 
 }  // namespace limberg::sections

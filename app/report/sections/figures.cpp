@@ -16,11 +16,11 @@ html::Markup figures(const ReportSource& source) {
   for (const auto& [name, v] : d.lattice_numbers) row("lattice." + name, v);
   if (d.solve_ms) row("solve_ms", *d.solve_ms);
   if (rows.empty()) return {};
-  const std::string third =
-      d.errors.empty() ? "" : " Third column: the lattice's share of the error, where it is known.";
-  return html::section("All figures",
-                       html::note("Units stand in the names; a name without a unit is a ratio or a count." + third) +
-                           html::table({}, rows));
+  const Words& w = d.w;
+  std::string about = w("Units stand in the names; a name without a unit is a ratio or a count.");
+  if (!d.errors.empty())
+    about += std::string(" ") + w("Third column: the lattice's share of the error, where it is known.");
+  return html::section(w("All figures"), html::note(about) + html::table({}, rows));
 }
 
 }  // namespace limberg::sections

@@ -8,12 +8,15 @@ html::Markup script(const ReportSource& source) {
   if (d.script.empty()) return {};
   std::string text;
   for (const std::string& line : d.script) text += line + "\n";
-  const html::Markup operate = html::code("limberg operate");
-  return html::section("The script of the operation",
-                       html::note("One action a line; points are millimetres " +
-                                  (d.of_bones() ? "in the frame of the scan. " + operate + " does it again."
-                                                : "on the skin. " + operate + " runs it at any resolution.")) +
-                           html::lines(text));
+  const Words& w = d.w;
+  return html::section(
+      w("The script of the operation"),
+      html::note(w(d.of_bones()
+                       ? english("One action a line; points are millimetres in the frame of the scan. The command "
+                                 "limberg operate does it again.")
+                       : english("One action a line; points are millimetres on the skin. The command limberg "
+                                 "operate runs it at any resolution."))) +
+          html::lines(text));
 }
 
 }  // namespace limberg::sections

@@ -32,13 +32,13 @@ std::vector<ResultStage> stages_of(const ReportSource& source) {
   return stages;
 }
 
-std::string facts_of(const ResultStage& stage, bool of_bones) {
+std::string facts_of(const ResultStage& stage, bool of_bones, const Words& w) {
   std::vector<std::string> facts;
   if (stage.t_s) facts.push_back(html::quantity(stage.t_s, "s"));
   if (stage.sutures && *stage.sutures > 0)
-    facts.push_back(std::to_string(*stage.sutures) + (*stage.sutures == 1 ? " suture" : " sutures"));
+    facts.push_back(w.counted(*stage.sutures, "{} suture", "{} sutures", *stage.sutures));
   if (stage.residual && (!of_bones || *stage.residual > 0))
-    facts.push_back("residual " + html::number(*stage.residual, 2));
+    facts.push_back(w("residual {}", html::number(*stage.residual, 2)));
   return joined(facts, " · ");
 }
 
@@ -46,20 +46,22 @@ std::string facts_of(const ResultStage& stage, bool of_bones) {
 
 html::Markup story(const ReportSource& source) {
   const ReportData& d = source.d;
+  const Words& w = d.w;
   html::Markup figures;
   int k = 0;
   for (const ResultStage& stage : stages_of(source)) {
     const std::string number = std::to_string(++k), url = picture_url(source.dir, stage.picture, 960);
     if (url.empty() && stage.name.empty()) continue;
-    html::Markup caption = html::bold(number + ". " + capital(stage.name));
-    for (const std::string& line : {stage.caption, facts_of(stage, d.of_bones())})
+    const std::string name = w(stage.name);
+    html::Markup caption = html::bold(number + ". " + capital(name));
+    for (const std::string& line : {w.said(stage.caption), facts_of(stage, d.of_bones(), w)})
       if (!line.empty()) caption += html::line_break() + line;
-    figures += html::figure(url, "Stage " + number + ": " + stage.name, caption);
+    figures += html::figure(url, w("Stage {}: {}", number, name), caption);
   }
-  return figures.empty()
-             ? figures
-             : html::section(d.study_rows.empty() ? "The operation, step by step" : "The members, each at rest",
-                             html::story(figures));
+  return figures.empty() ? figures
+                         : html::section(w(d.study_rows.empty() ? english("The operation, step by step")
+                                                                : english("The members, each at rest")),
+                                         html::story(figures));
 }
 
 }  // namespace limberg::sections

@@ -8,8 +8,8 @@ html::Markup study(const ReportSource& source) {
   const ReportData& d = source.d;
   if (d.study_columns.empty() || d.study_rows.empty()) return {};
   html::Markup body;
-  if (!d.about.empty()) body += html::paragraph(d.about);
-  for (const ResultChart& c : d.charts) body += chart_of(c);
+  if (!d.about.empty()) body += html::paragraph(d.w.said(d.about));
+  for (const ResultChart& c : d.charts) body += chart_of(c, d.w);
   body += bars_of(d);
   std::vector<html::Row> rows;
   constexpr size_t kMostRows = 200;  // a page of thousands opens slowly, and nobody reads them there
@@ -23,7 +23,7 @@ html::Markup study(const ReportSource& source) {
   if (rows.size() < d.study_rows.size())
     body += html::note("These are " + std::to_string(rows.size()) + " of " + std::to_string(d.study_rows.size()) +
                        " members; rows.csv and result.json have all.");
-  return html::section("What it came to", body);
+  return html::section(d.w("What it came to"), body);
 }
 
 }  // namespace limberg::sections

@@ -36,16 +36,18 @@ Maybe residual_of(const ReportData& d) { return d.of_bones() && d.residual && *d
 std::string bones_moved(const ReportData& d) {
   const double pieces = d.metric("fragments").value_or(0), far = d.metric("fragment_moved_max_mm").value_or(0),
                face = d.metric("face_moved_max_mm").value_or(0);
-  const std::string of = pieces == 1 ? "one piece of bone" : number(pieces) + " pieces of bone";
-  if (far < 0.005) return of + (pieces == 1 ? ", where it was" : ", all where they were");
-  return of + (pieces == 1 ? ", carried " : ", the farthest carried ") + quantity(far, "mm", 2) +
-         (face < 0.005 ? "" : "; the face follows by up to " + quantity(face, "mm", 2));
+  const Words& w = d.w;
+  const auto n = int64_t(pieces);
+  if (far < 0.005) return w.counted(n, "one piece of bone, where it was", "{} pieces of bone, all where they were", n);
+  return w.counted(n, "one piece of bone, carried {1}", "{0} pieces of bone, the farthest carried {1}", n,
+                   quantity(far, "mm", 2)) +
+         (face < 0.005 ? "" : "; " + w("the face follows by up to {}", quantity(face, "mm", 2)));
 }
 
 std::string bars_met(const ReportData& d, size_t met) {
   const size_t all = d.bars.size();
-  if (met == all) return all == 1 ? "The one bar is met" : "All " + std::to_string(all) + " bars are met";
-  return std::to_string(met) + " of " + std::to_string(all) + " bars are met, " + std::to_string(all - met) + " missed";
+  if (met == all) return d.w.counted(int64_t(all), "The one bar is met", "All {} bars are met", all);
+  return d.w("{} of {} bars are met, {} missed", met, all, all - met);
 }
 
 /// One line: what is closed, how hard it pulls, whether it has come to rest; and the worst of these.
@@ -60,6 +62,7 @@ struct Summary {
 };
 
 Summary summary_of(const ReportData& d) {
+  const Words& w = d.w;
   Summary v;
   const Maybe gap = largest_gap(d), force = largest_force(d);
   if (!d.bars.empty()) {
@@ -72,20 +75,22 @@ Summary summary_of(const ReportData& d) {
     const auto whole = std::find_if(d.verdict.begin(), d.verdict.end(),
                                     [](const ResultVerdict& line) { return line.what == kClosedWhole; });
     const bool closed = whole != d.verdict.end();
-    const std::string gapes = closed && !whole->place.empty() ? " (" + whole->place + ")" : "";
-    v.say((closed   ? "Closed along its whole edge" + gapes + " with "
-           : looked ? "Not closed, with "
-                    : "Sewn with ") +
-              std::to_string(d.sutures().size()) + (d.sutures().size() == 1 ? " suture" : " sutures") +
-              ", bites up to " + quantity(gap, "mm", 2) + " apart",
+    const std::string gapes = closed && !whole->place.empty() ? " (" + w.said(whole->place) + ")" : "";
+    const size_t sewn = d.sutures().size();
+    const std::string sutures = w.counted(int64_t(sewn), "with {} suture", "with {} sutures", sewn);
+    const std::string apart = quantity(gap, "mm", 2);
+    v.say(closed   ? w("Closed along its whole edge{} {}, bites up to {} apart", gapes, sutures, apart)
+          : looked ? w("Not closed, {}, bites up to {} apart", sutures, apart)
+                   : w("Sewn {}, bites up to {} apart", sutures, apart),
           (closed || !looked) && met ? Light::good : Light::warn);
   }
-  if (!d.sutures().empty() && force) v.say("largest suture force " + quantity(force, "N"), light_of_force(*force));
+  if (!d.sutures().empty() && force) v.say(w("largest suture force {}", quantity(force, "N")), light_of_force(*force));
   if (d.of_bones()) v.say(bones_moved(d), Light::good);
   if (residual_of(d)) {
     const bool rest = *d.residual <= kAtRest;
-    v.say(std::string(rest ? "in equilibrium" : "not yet in equilibrium") + " (relative residual " +
-              number(*d.residual, 2) + ")",
+    const std::string left = number(*d.residual, 2);
+    v.say(rest ? w("in equilibrium (relative residual {})", left)
+               : w("not yet in equilibrium (relative residual {})", left),
           rest ? Light::good : Light::warn);
   }
   return v;
@@ -96,7 +101,7 @@ html::Markup verdict_line(const ReportData& d) {
   std::string line = joined(v.says, "; ");
   if (d.ok && !*d.ok) {
     v.light = Light::bad;
-    if (d.bars.empty()) line = joined({"The run did not reach its goal", line}, ": ");
+    if (d.bars.empty()) line = joined({d.w("The run did not reach its goal"), line}, ": ");
   }
   return line.empty() ? html::Markup() : html::verdict(v.light, capital(line) + ".");
 }
@@ -104,12 +109,12 @@ html::Markup verdict_line(const ReportData& d) {
 /// What is wrong, then what is worth a look: a page begins with it.
 html::Markup faults(const ReportData& d) {
   html::Markup all;
-  for (const auto& [name, light, title] : {std::tuple(light_names::bad, Light::bad, "What is wrong"),
-                                           std::tuple(light_names::warn, Light::warn, "Worth a look")}) {
+  for (const auto& [name, light, title] : {std::tuple(light_names::bad, Light::bad, english("What is wrong")),
+                                           std::tuple(light_names::warn, Light::warn, english("Worth a look"))}) {
     std::vector<html::Markup> lines;
     for (const ResultVerdict& l : d.verdict)
-      if (l.light == name) lines.push_back(capital(in_words(l)));
-    if (!lines.empty()) all += html::verdict(light, html::bold(title) + html::list(lines));
+      if (l.light == name) lines.push_back(capital(in_words(l, d.w)));
+    if (!lines.empty()) all += html::verdict(light, html::bold(d.w(title)) + html::list(lines));
   }
   return all;
 }
@@ -117,26 +122,29 @@ html::Markup faults(const ReportData& d) {
 html::Markup damage(const ReportData& d) {
   if (d.damage.empty()) return {};
   std::vector<std::string> lost;
-  for (const auto& [name, value] : d.damage) lost.push_back(name + " " + value);
-  return html::notice(html::bold("The recording was damaged.") + " What was whole was replayed: " + joined(lost, "; ") +
-                      ".");
+  for (const auto& [name, value] : d.damage) lost.push_back(d.w.said(name) + " " + value);
+  return html::notice(html::bold(d.w("The recording was damaged.")) + " " +
+                      d.w("What was whole was replayed: {}.", joined(lost, "; ")));
 }
 
 /// Of a run that a person ended: how far it came.
 html::Markup interrupted(const ReportData& d) {
   if (!d.interrupted.value_or(false)) return {};
+  const Words& w = d.w;
   std::vector<std::string> where;
-  if (d.duration_s) where.push_back("after " + quantity(d.duration_s, "s"));
-  if (d.commands) where.push_back("after " + number(double(*d.commands)) + (*d.commands == 1 ? " act" : " acts"));
-  if (!d.stages.empty()) where.push_back("the last stage that was passed is \u201c" + d.stages.back().name + "\u201d");
-  return html::notice(html::bold("Interrupted.") + " What was done by then is told and drawn" +
-                      (where.empty() ? "" : ": " + joined(where, ", ")) + ".");
+  if (d.duration_s) where.push_back(w("after {}", quantity(d.duration_s, "s")));
+  if (d.commands) where.push_back(w.counted(*d.commands, "after {} act", "after {} acts", *d.commands));
+  if (!d.stages.empty())
+    where.push_back(w("the last stage that was passed is \u201c{}\u201d", w(d.stages.back().name)));
+  return html::notice(html::bold(w("Interrupted.")) + " " +
+                      (where.empty() ? std::string(w("What was done by then is told and drawn."))
+                                     : w("What was done by then is told and drawn: {}.", joined(where, ", "))));
 }
 
 html::Markup last_picture(const ReportSource& source) {
   const std::string url = picture_url(source.dir, source.d.pictures.overview);
-  const char* alt =
-      source.d.gallery.empty() ? "The skin at the end of the operation" : "The head at the end of the operation";
+  const char* alt = source.d.w(source.d.gallery.empty() ? english("The skin at the end of the operation")
+                                                        : english("The head at the end of the operation"));
   return url.empty() ? html::Markup() : html::hero(html::figure(url, alt, {}));
 }
 
@@ -144,8 +152,9 @@ html::Markup last_picture(const ReportSource& source) {
 std::string lattice_error(const ReportData& d, const char* name, std::string_view unit) {
   const auto e = d.errors.find(name);
   if (e == d.errors.end() || !e->second.error) return {};
-  return "lattice ± " + quantity(e->second.error, unit, 2) +
-         (e->second.asymptotic && e->second.order ? ", order " + number(*e->second.order, 2) : ", not yet settled");
+  const std::string error = quantity(e->second.error, unit, 2);
+  return e->second.asymptotic && e->second.order ? d.w("lattice ± {}, order {}", error, number(*e->second.order, 2))
+                                                 : d.w("lattice ± {}, not yet settled", error);
 }
 
 /// A card of a figure of `metrics`, with what qualifies it; none where the result has no such figure.
@@ -158,45 +167,47 @@ struct KeyFigures {
     if (!value) return;
     const std::string_view of_error = std::string_view(unit) == "×" ? "" : unit;  // of a ratio: a number
     cards.push_back(
-        {quantity(value, unit, digits), name, joined({why, lattice_error(d, metric, of_error)}, "; "), light});
+        {quantity(value, unit, digits), d.w(name), joined({why, lattice_error(d, metric, of_error)}, "; "), light});
   }
 };
 
 html::Markup key_figures(const ReportData& d) {
   const Maybe closure = d.metric("closure_force_N"), force = largest_force(d), gap = largest_gap(d),
               ear_volume = d.metric("dog_ear_volume_mm3"), stretch_max = d.metric("stretch_max");
+  const Words& w = d.w;
   KeyFigures k{d};
-  k.add("closure_force_N", closure, "N", 3, "closure force",
-        "sum over all sutures; clinical limit " + quantity(kClosureForce_N.bad, "N"),
+  k.add("closure_force_N", closure, "N", 3, english("closure force"),
+        w("sum over all sutures; clinical limit {}", quantity(kClosureForce_N.bad, "N")),
         closure && *closure > kClosureForce_N.bad ? Light::bad : Light::none);
-  k.add("suture_force_max_N", force, "N", 3, "largest suture force", "one thread",
+  k.add("suture_force_max_N", force, "N", 3, english("largest suture force"), w("one thread"),
         force ? light_of_force(*force) : Light::none);
-  k.add("suture_gap_max_mm", gap, "mm", 2, "bites apart, at most",
-        "met up to " + quantity(kSutureGap_mm.bad, "mm") + "; it is not the wound's gape",
+  k.add("suture_gap_max_mm", gap, "mm", 2, english("bites apart, at most"),
+        w("met up to {}; it is not the wound's gape", quantity(kSutureGap_mm.bad, "mm")),
         gap && *gap <= kSutureGap_mm.bad ? Light::good : Light::warn);
-  k.add("dog_ear_mm", d.metric("dog_ear_mm"), "mm", 3, "dog-ear height",
-        ear_volume ? quantity(ear_volume, "mm³") + " above the skin" : "standing cone above the skin");
+  k.add("dog_ear_mm", d.metric("dog_ear_mm"), "mm", 3, english("dog-ear height"),
+        ear_volume ? w("{} above the skin", quantity(ear_volume, "mm³")) : w("standing cone above the skin"));
   const Maybe widest = d.metric("wound_gape_max_mm");
-  k.add("wound_gape_mm", d.metric("wound_gape_mm"), "mm", 2, "wound gape",
-        "95 % of the edge gapes less" + (widest ? ", at most " + quantity(widest, "mm", 2) : ""));
-  k.add("flap_area_mm2", d.metric("flap_area_mm2"), "mm²", 3, "flap area", "");
-  k.add("elongation", d.metric("elongation"), "×", 3, "elongation", "of the central limb's line");
-  k.add("stretch_p99", d.metric("stretch_p99"), "×", 3, "stretch, 99th percentile",
-        stretch_max ? "largest but for 1 mm² " + quantity(stretch_max, "×") : "");
+  k.add("wound_gape_mm", d.metric("wound_gape_mm"), "mm", 2, english("wound gape"),
+        widest ? w("95 % of the edge gapes less, at most {}", quantity(widest, "mm", 2))
+               : std::string(w("95 % of the edge gapes less")));
+  k.add("flap_area_mm2", d.metric("flap_area_mm2"), "mm²", 3, english("flap area"), "");
+  k.add("elongation", d.metric("elongation"), "×", 3, english("elongation"), w("of the central limb's line"));
+  k.add("stretch_p99", d.metric("stretch_p99"), "×", 3, english("stretch, 99th percentile"),
+        stretch_max ? w("largest but for 1 mm² {}", quantity(stretch_max, "×")) : "");
   std::vector<html::Card>& cards = k.cards;
   if (d.of_bones()) {
-    cards.push_back({number(d.metric("fragments").value_or(0)), "pieces of bone", "what was cut out counts"});
+    cards.push_back({number(d.metric("fragments").value_or(0)), w("pieces of bone"), w("what was cut out counts")});
     if (const Maybe v = d.metric("fragment_moved_max_mm"))
-      cards.push_back({quantity(v, "mm"), "farthest piece", "of its middle from where it was"});
+      cards.push_back({quantity(v, "mm"), w("farthest piece"), w("of its middle from where it was")});
     if (const Maybe v = d.metric("face_moved_max_mm"))
-      cards.push_back({quantity(v, "mm"), "face moved, at most", "the place of the skin that moved most"});
+      cards.push_back({quantity(v, "mm"), w("face moved, at most"), w("the place of the skin that moved most")});
   }
   if (residual_of(d))
-    cards.push_back({number(*d.residual, 2), "relative residual", "goal " + number(kAtRest),
+    cards.push_back({number(*d.residual, 2), w("relative residual"), w("goal {}", number(kAtRest)),
                      *d.residual <= kAtRest ? Light::good : Light::warn});
   if (d.distance_mm && !(d.of_bones() && *d.distance_mm == 0))
-    cards.push_back({quantity(d.distance_mm, "mm", 2), "from equilibrium",
-                     "estimated by the last frame: the node that is farthest off"});
+    cards.push_back({quantity(d.distance_mm, "mm", 2), w("from equilibrium"),
+                     w("estimated by the last frame: the node that is farthest off")});
   return html::cards(cards);
 }
 

@@ -22,7 +22,12 @@ const clamp = (x, low, high) => Math.min(Math.max(x, low), high);
 const capital = (s) => s.charAt(0).toUpperCase() + s.slice(1);
 function short(x) {
   const digits = Math.abs(x) >= 100 ? 0 : Math.abs(x) >= 10 ? 1 : 2;
-  return String(Number(x.toFixed(digits))).replace('-', '−');
+  return String(Number(x.toFixed(digits))).replace('-', '−').replace('.', setup.decimal);
+}
+/// The text in the language of the page, with values in its places {}; English where the page has no other.
+function w(text, ...values) {
+  let next = 0;
+  return (setup.words[text] || text).replace(/\{(\d?)\}/g, (_, i) => values[i === '' ? next++ : Number(i)]);
 }
 
 // ---- the model: a packed glTF 2.0 file (app/export/page_model.h) -----------------------------------------------------
@@ -592,7 +597,7 @@ class Viewer {
   build() {
     const told = this.told;
     this.canvas = el('canvas', {tabindex: '0', role: 'application', 'aria-label':
-      'The patient in three dimensions. Arrow keys turn, with Shift they move; plus and minus bring it nearer and farther; Home goes back to the first view; Page Up and Page Down go from act to act; the space bar plays.'});
+      w('The patient in three dimensions. Arrow keys turn, with Shift they move; plus and minus bring it nearer and farther; Home goes back to the first view; Page Up and Page Down go from act to act; the space bar plays.')});
     this.legend = el('div', {class: 'legend'});
     this.labels = el('div', {class: 'labels', 'aria-hidden': 'true'});
     this.tip = el('div', {class: 'tip', role: 'status'});
@@ -602,7 +607,7 @@ class Viewer {
     // Time.
     this.play = el('button', {type: 'button', class: 'play', onclick: () => this.toggle()});
     this.slider = el('input', {type: 'range', min: told.from, max: told.until, step: 'any', value: this.at,
-                               'aria-label': 'Time of the operation', oninput: () => this.goTo(Number(this.slider.value), true)});
+                               'aria-label': w('Time of the operation'), oninput: () => this.goTo(Number(this.slider.value), true)});
     // A key goes from act to act: steps of a slider say little.
     this.slider.addEventListener('keydown', (e) => {
       const by = {ArrowRight: 1, ArrowUp: 1, PageUp: 1, ArrowLeft: -1, ArrowDown: -1, PageDown: -1}[e.key];
@@ -610,11 +615,11 @@ class Viewer {
     });
     const length = Math.max(told.until - told.from, 1e-9), share = (at) => 100 * (at - told.from) / length;
     const ticks = el('div', {class: 'ticks', 'aria-hidden': 'true'});
-    for (const a of told.acts) ticks.append(el('i', {class: a.stage ? 'stage-tick' : '', style: `left:${share(a.at).toFixed(2)}%`, title: a.words}));
+    for (const a of told.acts) ticks.append(el('i', {class: a.stage ? 'stage-tick' : '', style: `left:${share(a.at).toFixed(2)}%`, title: w(a.words)}));
     this.word = el('p', {class: 'now', 'aria-live': 'off'});
-    this.chips = el('div', {class: 'chips', role: 'group', 'aria-label': 'Stages'});
+    this.chips = el('div', {class: 'chips', role: 'group', 'aria-label': w('Stages')});
     this.chipOf = told.acts.filter((a) => a.stage).map((a, i) => {
-      const b = el('button', {type: 'button', onclick: () => this.goTo(a.at)}, `${i + 1}. ${capital(a.words)}`);
+      const b = el('button', {type: 'button', onclick: () => this.goTo(a.at)}, `${i + 1}. ${capital(w(a.words))}`);
       this.chips.append(b);
       return {at: a.at, b};
     });
@@ -625,18 +630,17 @@ class Viewer {
       return {box: el('label', {}, label + ' ', s), select: s};
     };
     const controls = el('div', {class: 'controls'});
-    this.colours = choose('Colours', [['-1', 'As it looks'], ...told.fields.map((f, i) => [String(i), f.name])], '-1', (v) => this.colourBy(Number(v)));
+    this.colours = choose(w('Colours'), [['-1', w('As it looks')], ...told.fields.map((f, i) => [String(i), w(f.name)])], '-1', (v) => this.colourBy(Number(v)));
     if (told.fields.length) controls.append(this.colours.box);
     if (this.patients.some((p) => p.face))
-      controls.append(choose('Face', [['clear', 'see through'], ['solid', 'solid'], ['hidden', 'hidden']], 'clear', (v) => this.showFace(v)).box);
+      controls.append(choose(w('Face'), [['clear', w('see through')], ['solid', w('solid')], ['hidden', w('hidden')]], 'clear', (v) => this.showFace(v)).box);
     if (this.patients.some((p) => p.told.frames.some((f) => f.stitches))) {
       const check = el('input', {type: 'checkbox', checked: '', onchange: () => this.showForces(check.checked)});
-      controls.append(el('label', {}, check, ' Forces of the stitches'));
+      controls.append(el('label', {}, check, ' ' + w('Forces of the stitches')));
     }
-    controls.append(el('button', {type: 'button', onclick: () => { this.eye.reset(); this.ask(); }}, 'First view'));
+    controls.append(el('button', {type: 'button', onclick: () => { this.eye.reset(); this.ask(); }}, w('First view')));
     box.append(this.stage, el('div', {class: 'time'}, this.play, el('div', {class: 'track'}, this.slider, ticks)), this.word, this.chips, controls,
-               el('p', {class: 'note'}, 'Drag to turn, with two fingers or the right button to move, pinch or use the wheel (after a click) to come nearer. ' +
-                  'Keys: arrows, + and −, Home, Page Up and Page Down, space.'));
+               el('p', {class: 'note'}, w('Drag to turn, with two fingers or the right button to move, pinch or use the wheel (after a click) to come nearer. Keys: arrows, + and −, Home, Page Up and Page Down, space.')));
     this.tellPlay();
     this.listen();
   }
@@ -690,8 +694,9 @@ class Viewer {
     this.patients.forEach((p, i) => p.show(this.timeOf(i), most));
     const done = this.told.acts.filter((a) => !a.stage && a.at <= this.at + 1e-9), stages = this.told.acts.filter((a) => a.stage && a.at <= this.at + 1e-9);
     const last = done[done.length - 1], stage = stages[stages.length - 1];
-    const words = (last ? capital(last.words) : 'Before the first act') + (stage ? ` · ${stage.words}` : '') +
-                  (this.told.unit === 's' ? ` · ${this.at.toFixed(1)} s` : last ? ` · act ${done.length} of ${this.told.acts.filter((a) => !a.stage).length}` : '');
+    const words = (last ? capital(w(last.words)) : w('Before the first act')) + (stage ? ` · ${w(stage.words)}` : '') +
+                  (this.told.unit === 's' ? ` · ${this.at.toFixed(1).replace('.', setup.decimal)} s`
+                   : last ? ' · ' + w('act {} of {}', done.length, this.told.acts.filter((a) => !a.stage).length) : '');
     this.word.textContent = words;
     this.slider.value = this.at;
     this.slider.setAttribute('aria-valuetext', words);
@@ -737,7 +742,7 @@ class Viewer {
     }
     this.tellPlay();
   }
-  tellPlay() { this.play.textContent = this.playing ? 'Pause' : 'Play'; }
+  tellPlay() { this.play.textContent = this.playing ? w('Pause') : w('Play'); }
 
   // Looks.
   colourBy(field) {
@@ -761,7 +766,7 @@ class Viewer {
       const beyond = k === f.intervals && f.above ? '≥ ' : k === 0 && f.below ? '≤ ' : '';
       bar.append(el('span', {style: `bottom:${(100 * k / f.intervals).toFixed(1)}%`}, beyond + short(value)));
     }
-    this.legend.append(el('b', {}, f.title), el('span', {class: 'unit'}, f.unit), bar);
+    this.legend.append(el('b', {}, w(f.title)), el('span', {class: 'unit'}, w(f.unit)), bar);
   }
 
   // The picture.
@@ -852,7 +857,7 @@ class Viewer {
     const shape = p.shapes[p.shown], hit = ray.intersectObjects(shape.meshes.filter((m) => m.visible && !m.userData.veil))[0];
     if (!hit || !['skin', 'face'].includes(hit.object.userData.part)) return null;
     const f = p.told.fields[p.field], value = shape.value.array[hit.face.a];
-    return `${f.title}: ${value >= 1 ? '≥ ' : ''}${short(f.lo + value * (f.hi - f.lo))} ${f.unit}`;
+    return `${w(f.title)}: ${value >= 1 ? '≥ ' : ''}${short(f.lo + value * (f.hi - f.lo))} ${w(f.unit)}`;
   }
 }
 
@@ -874,6 +879,6 @@ async function start() {
 
 start().catch((e) => {
   box.hidden = false;
-  box.append(el('p', {class: 'notice', role: 'alert'}, 'This browser cannot show the model (' + e.message + '); the pictures show the operation.'));
+  box.append(el('p', {class: 'notice', role: 'alert'}, w('This browser cannot show the model ({}); the pictures show the operation.', e.message)));
 });
 })();

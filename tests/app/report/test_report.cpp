@@ -175,7 +175,7 @@ TEST_F(Report, AStrokeIsToldWholeInTheStageWhereItBegan) {
     {"action":"incise","stroke":1,"path":[[12,0]],"depth_mm":4,"more":true},
     {"action":"incise","stroke":1,"path":[[20,0]],"depth_mm":4},
     {"action":"suture","a":[0,0],"b":[1,0]},{"action":"stage","name":"two"}]})");
-  EXPECT_NE(h.find("Incision of 20 mm, 4 mm deep."), std::string::npos);
+  EXPECT_NE(h.find("Incision of 20\u202fmm, 4\u202fmm deep."), std::string::npos);
   EXPECT_EQ(count(h, "Incision of"), 1u);
 }
 
@@ -185,7 +185,8 @@ TEST_F(Report, StagesSayWhatTheScriptDid) {
     {"limberg_script":1},{"action":"excise","outline":[[0,0],[20,0],[20,10],[0,10]],"depth_mm":4},{"action":"incise","path":[[0,0],[3,4],[3,14]],"depth_mm":5,"angle_deg":60},
     {"action":"stage","name":"cut"},{"action":"suture","a":[0,0],"b":[1,0]},{"action":"stage","name":"own"},{"action":"hook","id":1,"at":[0,0]},{"action":"hook","id":2,"at":[1,0]},{"action":"move","id":1,"to":[0,0,9]},
     {"action":"suture_row","a":[[0,0],[9,0]],"b":[[0,1],[9,1]]},"no JSON",{"action":7},{"action":"excise","outline":[7]},{"action":"stage","name":"closed"},{"action":"stage","name":"not other"}]})");
-  EXPECT_NE(h.find("Excision of 200 mm², 4 mm deep. Incision of 15 mm, 5 mm deep, blade at 60°."), std::string::npos);
+  EXPECT_NE(h.find("Excision of 200\u202fmm², 4\u202fmm deep. Incision of 15\u202fmm, 5\u202fmm deep, blade at 60°."),
+            std::string::npos);
   EXPECT_NE(h.find("My words."), std::string::npos);
   EXPECT_EQ(h.find("One key suture"), std::string::npos);
   EXPECT_NE(h.find("2 hooks set. The flap is moved with the hooks. One row of sutures."), std::string::npos);
@@ -212,7 +213,7 @@ TEST_F(Report, ChartsKeepTheirMarks) {
     "series": [{"name": "", "x": [1, 2], "y": [0.5, 2]}]}],
     "bars": [{"name": "error of the face", "value": 0.5, "bar": 1, "pass": true, "source": "the aim"}]})";
   const std::string html = make(chart);
-  EXPECT_NE(html.find("aim 1 mm"), std::string::npos);
+  EXPECT_NE(html.find("aim 1\u202fmm"), std::string::npos);
   EXPECT_EQ(html.find("nowhere"), std::string::npos);
   EXPECT_NE(html.find("error of the face"), std::string::npos);
   EXPECT_NE(html.find("The one bar is met"), std::string::npos);
@@ -241,7 +242,7 @@ TEST_F(Report, BeginsWithWhatIsWrong) {
       sewn + "}");
   const size_t wrong = html.find("What is wrong"), look = html.find("Worth a look"), body = html.find("</header>");
   ASSERT_NE(wrong, std::string::npos);
-  EXPECT_NE(html.find("Wound gape, widest: 11 mm at (3.1, -4.0) mm; at most 2 mm"), std::string::npos);
+  EXPECT_NE(html.find("Wound gape, widest: 11\u202fmm at (3.1, -4.0) mm; at most 2\u202fmm"), std::string::npos);
   EXPECT_LT(wrong, look);
   EXPECT_EQ(html.find("<div", body), html.rfind("<div class=\"verdict bad\">", wrong)) << "nothing stands before it";
   EXPECT_EQ(html.find("Closed"), std::string::npos);
@@ -250,7 +251,7 @@ TEST_F(Report, BeginsWithWhatIsWrong) {
   const std::string closed = make(
       R"({"ok":true,"verdict":[{"what":"closed along its whole edge","value":40,"unit":"mm","limit":null,"place":"gapes by at most 1.6 mm","light":"good","source":""}],)" +
       sewn + "}");
-  EXPECT_NE(closed.find("Closed along its whole edge (gapes by at most 1.6 mm) with 1 suture"), std::string::npos);
+  EXPECT_NE(closed.find("Closed along its whole edge (gapes by at most 1.6\u202fmm) with 1 suture"), std::string::npos);
   EXPECT_EQ(closed.find("What is wrong"), std::string::npos);
 }
 

@@ -170,7 +170,8 @@ TEST_F(DeskTest, TheHelpCoversThePatientWhereItIsSeen) {
 TEST_F(DeskTest, EveryToolHasItsKeyItsRowInThePaletteAndItsWordInTheHelp) {
   Window w;
   std::string help;
-  for (const DeskKey& k : desk_keys()) help += k.what + "\n";
+  for (const DeskKey& k : desk_keys())
+    help += std::string(k.hand == HandKey::tool ? tools_in_words({}) : k.what) + "\n";
   std::vector<ControlSample> by_key;
   for (const DeskTool& t : kDeskTools) {
     std::string name = t.name;
@@ -223,7 +224,7 @@ TEST(ToolSliders, AreThoseOfTheTableOfActs) {
   EXPECT_EQ(of_angle.help, angle.field.help);
   EXPECT_EQ(of_angle.format, "%.0f\u00b0");
   EXPECT_EQ(of_spacing.to, float(spacing.field.usual_to));
-  EXPECT_EQ(of_spacing.format, "%.1f mm");
+  EXPECT_EQ(of_spacing.format, "%.1f\u202fmm");
   EXPECT_EQ(of_depth.to, 7.5f) << "the scene allows no more";
   HandChoice hand;
   hand.*of_spacing.value = 6;

@@ -73,12 +73,12 @@ TEST(PenSheet, ALineIsMeasuredAsTheSkinLiesAndAtRest) {
   PenSheet pen;
   pen.hear(Mark{{{-10, 3}, {10, 3}}, false});
   pen.hear(Mark{{{0, 20}}, false});  // a dot
-  pen.draw(stretched);
+  pen.draw(stretched, {});
   ASSERT_EQ(pen.lengths().size(), 1u);
   EXPECT_EQ(pen.lengths()[0].text, "30.0 mm (20.0 at rest)");
   EXPECT_NEAR(pen.lengths()[0].at_mm.x(), 15, 0.1);
   EXPECT_FALSE(pen.props().vertex.empty());
-  pen.draw(test::snapshot_of(topology));
+  pen.draw(test::snapshot_of(topology), {});
   EXPECT_EQ(pen.lengths()[0].text, "20.0 mm");
 }
 

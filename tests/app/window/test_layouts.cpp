@@ -11,6 +11,7 @@
 #include "app/program/places.h"
 #include "app/program/temporary_folder.h"
 #include "app/session/workers_pool.h"
+#include "app/words/chosen_words.h"
 #include "sim/commands/script.h"
 #include "sim/patient/world.h"
 #include "tests/app/window/drawn_window.h"
@@ -58,10 +59,13 @@ Snapshot* Lessons::patient = nullptr;
 
 struct Window : testing::DrawnWindow {
   LaneGauges gauges;
-  explicit Window(const std::string& memory = "") : DrawnWindow(*Lessons::patient) {
+  explicit Window(const std::string& memory = "", const LessonPlan* in_language = nullptr)
+      : DrawnWindow(*Lessons::patient) {
+    const LessonPlan& taught = in_language ? *in_language : *Lessons::plan;
     WindowSettings set;
-    set.facts.scene = Lessons::scene->name, set.facts.device = "mouse", set.facts.goal = Lessons::plan->goal;
-    set.camera = scene_camera(*Lessons::scene), set.lesson = *Lessons::plan, set.memory_file = memory;
+    set.facts.scene = Lessons::scene->name, set.facts.device = "mouse", set.facts.goal = taught.goal;
+    set.facts.w = taught.w;
+    set.camera = scene_camera(*Lessons::scene), set.lesson = taught, set.memory_file = memory;
     open(set, &gauges);
   }
   void says(const std::string& why) {
@@ -96,6 +100,12 @@ struct Window : testing::DrawnWindow {
   std::string fmt(const std::string& dir, const std::string& name) const {
     return dir + "/" + std::to_string(screen.width) + "-" + name + ".png";
   }
+  /// A panel whose title is in a language has its name behind it.
+  static std::string name_of(const ImGuiWindow* w) {
+    const std::string name = w->Name;
+    const size_t own = name.find("###");
+    return own == name.npos ? name : name.substr(own + 3);
+  }
   /// What is wrong with the panels of the last frame; empty: nothing.
   std::string wrong() const {
     std::string all;
@@ -108,11 +118,11 @@ struct Window : testing::DrawnWindow {
     for (size_t i = 0; i < seen.size(); ++i) {
       const ImRect a = seen[i]->Rect();
       if (a.Min.x < -0.5f || a.Min.y < -0.5f || a.Max.x > whole.x + 0.5f || a.Max.y > whole.y + 0.5f)
-        all += std::string(seen[i]->Name) + " leaves the window\n";
+        all += name_of(seen[i]) + " leaves the window\n";
       for (size_t k = i + 1; k < seen.size(); ++k) {
         ImRect b = seen[k]->Rect();
         b.Expand(-0.5f);
-        if (!kOver.count(seen[i]->Name) && !kOver.count(seen[k]->Name) && a.Overlaps(b))
+        if (!kOver.count(name_of(seen[i])) && !kOver.count(name_of(seen[k])) && a.Overlaps(b))
           all += std::string(seen[i]->Name) + " and " + seen[k]->Name + " overlap\n";
       }
     }
@@ -159,6 +169,79 @@ TEST_F(Lessons, EveryScreenIsInsideAtEverySize) {
     w.key('K', WindowEvent::control), w.settle();
     w.shoot(name);
   }
+}
+
+/// Panels on both sides whose words are cut off: of those that wrap ImGui's content is no wider than the panel.
+std::string cut_off() {
+  std::string all;
+  for (const ImGuiWindow* w : ImGui::GetCurrentContext()->Windows) {
+    const std::string name = w->Name;
+    if (!w->WasActive || w->Hidden || (name != "tools" && name != "patient" && name != "lanes")) continue;
+    const float room = w->InnerRect.GetWidth() - 2 * w->WindowPadding.x;
+    if (w->ContentSize.x > room + w->WindowPadding.x)
+      all += name + " is " + std::to_string(int(room)) + " wide, and its words " +
+             std::to_string(int(w->ContentSize.x)) + "\n";
+  }
+  return all;
+}
+
+// A language whose words are longer than English ones.
+TEST_F(Lessons, InGermanEveryScreenIsInsideToo) {
+  const Words de = chosen_words({"de", ""});
+  const Lesson lesson = open_lesson(source_dir() + "/app/lessons/rhomboid.toml");
+  std::vector<Command> script;
+  for (const ScriptLine& l : load_script(source_dir() + "/recordings/rhomboid.jsonl").lines)
+    script.push_back(l.command);
+  const LessonPlan german = make_lesson_plan(&lesson, script, de);
+  ASSERT_EQ(german.steps[0].name, "Defekt");
+  EXPECT_EQ(german.steps[0].words.stage, "defect") << "recordings have the script's names";
+  const TemporaryFolder folder;
+  Window w(folder.path().string() + "/window.toml", &german);
+  for (const auto& [width, height] : {std::pair(800, 600), {1280, 720}})
+    for (int card = 0; card < DeskTour::kCards / 2; ++card) {
+      w.sized(width, height);
+      EXPECT_EQ(w.wrong(), "") << card << " at " << width;
+      if (card == 0) w.shoot("de-tour");
+      w.key(WindowEvent::enter), w.settle();
+    }
+  w.says("depth 10 mm is deeper than the scene allows; expected at most 9 mm");
+  w.key('V');
+  w.did(Incise{{{-14, 0}, {14, 0}}, 4, 90}, "incise 28 mm, 4 mm deep");
+  EXPECT_NE(w.frames->coach()->says().word.find("Strg+Z nimmt es zurück."), std::string::npos)
+      << w.frames->coach()->says().word;
+  for (const auto& [width, height] : {std::pair(800, 600), {1280, 720}, {1920, 1080}}) {
+    w.sized(width, height);
+    EXPECT_EQ(w.wrong(), "") << width;
+    EXPECT_EQ(cut_off(), "") << width;
+    w.shoot("de-plain");
+    for (const auto& [name, key] : {std::pair("de-help", int(WindowEvent::f1)), {"de-summary", int('J')}}) {
+      w.key(key);
+      EXPECT_EQ(w.wrong(), "") << name << " at " << width;
+      w.shoot(name);
+      w.key(WindowEvent::escape);
+    }
+    w.key('U');
+    EXPECT_EQ(w.wrong(), "") << "with the history of acts";
+    w.shoot("de-history");
+    w.key_alone('U', 0);
+  }
+}
+
+TEST_F(Lessons, TheFontHasEverySignOfTheGermanTable) {
+  Window w;
+  const ImFont* font = ImGui::GetFont();
+  std::set<unsigned> lacks;
+  for (const PoEntry& e : read_po(source_dir() + "/app/words/de.po").entries)
+    for (const std::string& form : e.forms)
+      for (const char* at = form.c_str(); *at;) {
+        unsigned sign = 0;
+        at += ImTextCharFromUtf8(&sign, at, nullptr);
+        if (sign >= 32 && !font->FindGlyphNoFallback(ImWchar(sign))) lacks.insert(sign);
+      }
+  EXPECT_TRUE(font->FindGlyphNoFallback(0x202f)) << "the thin space before units";
+  std::string all;
+  for (const unsigned sign : lacks) all += std::to_string(sign) + " ";
+  EXPECT_EQ(all, "");
 }
 
 TEST_F(Lessons, TheTourIsShownOnceAndWhatWasChosenIsRemembered) {
