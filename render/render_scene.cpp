@@ -94,6 +94,10 @@ const RenderScene& SceneBuilder::build(const Snapshot& snapshot, const ToolPose&
   if (!snapshot.topology || snapshot.x_mm.size() != snapshot.topology->view.X_mm.size()) {
     scene.mesh = std::make_shared<TissueMesh>();
     scene.x_mm.clear(), scene.normal.clear();
+    if (snapshot.sewn.thread != 0 && snapshot.sewn.end_mm.allFinite()) {
+      const NearestSkin at = nearest_skin(scene, snapshot.sewn.end_mm);
+      add_sewn_thread(scene.props, snapshot.sewn.end_mm, at.found ? at.normal : Vec3f(Vec3f::UnitZ()), tool);
+    }
     add_tool(scene.props, tool), add_gloves(scene, tool);
     return scene;
   }
@@ -120,7 +124,8 @@ const RenderScene& SceneBuilder::build(const Snapshot& snapshot, const ToolPose&
   for (size_t i = 0; i < snapshot.sutures.size(); ++i) {
     SutureState s = snapshot.sutures[i];
     const auto same = [&](size_t k) { return k < snapshot.sutures.size() && snapshot.sutures[k].thread == s.thread; };
-    if (!same(i - 1) || !same(i + 1)) s.thread = 0;  // the ends of a thread have a knot each
+    const bool goes_on = s.thread != 0 && s.thread == snapshot.sewn.thread;  // the needle is on it: no knot there yet
+    if (!same(i - 1) || (!same(i + 1) && !goes_on)) s.thread = 0;            // the ends of a thread have a knot each
     add_stitch(scene, snapshot, s);
   }
   for (const HookState& h : snapshot.hooks)

@@ -21,7 +21,7 @@ struct DeskTool {
   const char* help = "";    // what the hand does
   const char* action = "";  // what comes of it, as the table of acts has it; empty: no sliders
 };
-inline constexpr std::array<DeskTool, 16> kDeskTools{
+inline constexpr std::array<DeskTool, 20> kDeskTools{
     {{Tool::none, '1', false, "Look around", "The left button turns the view."},
      {Tool::marker, '1', true, "Marker pen", "Draw on the skin; the line is measured and goes with the skin."},
      {Tool::scalpel, '2', false, "Scalpel", "Press on the skin, draw, let go: a cut along the way.", "incise"},
@@ -33,11 +33,18 @@ inline constexpr std::array<DeskTool, 16> kDeskTools{
      {Tool::hook_out, '5', true, "Hook out", "Press at a hook or at its handle: it is taken out."},
      {Tool::suture, '6', false, "Stitch", "Press beside one edge, let go beside the other."},
      {Tool::suture_buried, '6', true, "Buried stitch", "The same; the bites lie in the walls of the wound.", "suture"},
-     {Tool::suture_row, '7', false, "Row of stitches", "Draw along one edge, then along the other.", "suture_row"},
-     {Tool::suture_running, '7', true, "Running stitch", "Draw along one edge, then along the other: one thread.",
-      "suture_row"},
+     {Tool::suture_deep, '4', true, "Deep stitch",
+      "Press and let go on skin or on a cut face: a flap's underside, its bed, a wall of the wound."},
      {Tool::suture_corner, '8', true, "Corner stitch",
       "Press on one bank, let go in the flap's tip, then press on the other bank.", "suture_corner"},
+     {Tool::suture_row, '7', false, "Row of stitches", "Draw along one edge, then along the other.", "suture_row"},
+     {Tool::suture_row_buried, '3', true, "Buried row",
+      "Draw along one edge, then along the other: the bites lie in the walls of the wound.", "suture_row"},
+     {Tool::suture_running, '7', true, "Running stitch", "Draw along one edge, then along the other: one thread.",
+      "suture_row"},
+     {Tool::suture_bites, '9', true, "Running, by bites",
+      "Press beside one edge, let go beside the other: one bite of a thread. The next one goes on with it."},
+     {Tool::suture_knot, '0', true, "Knot", "Press beside the last bite of the running stitch: it is tied there."},
      {Tool::saw, '8', false, "Saw", "Draw once round on the bone."},
      {Tool::grab, '9', false, "Grab", "Press on a piece of bone and carry it."},
      {Tool::scissors, '0', false, "Scissors",

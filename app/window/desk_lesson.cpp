@@ -88,6 +88,7 @@ float DeskLesson::next_step(const Coach& c, float x, float y, float w, float mos
       ImGui::TextUnformatted("Before you go on:");
       ImGui::SameLine();
       ImGui::TextWrapped("%s", says.question->ask.c_str());
+      asked(*says.question);
       for (size_t i = 0; i < says.question->answers.size(); ++i) {
         ImGui::PushID(int(i));
         if (ImGui::Button(fmt::format("{}", char('a' + int(i))).c_str(), {22, 0})) answer = int(i) + 1;
@@ -97,7 +98,7 @@ float DeskLesson::next_step(const Coach& c, float x, float y, float w, float mos
       }
       ImGui::TextColored(ink::quiet(), "Then: %s", says.say.c_str());
     } else {
-      if (!says.answer.empty()) ImGui::TextColored(ink::good(), "%s", says.answer.c_str());
+      if (!says.answer.empty()) ImGui::TextColored(says.answer_right ? ink::good() : ink::warn(), "%s", says.answer.c_str());
       ImGui::TextUnformatted(says.say.c_str());
       if (!says.why.empty()) ImGui::TextColored(ink::quiet(), "Why: %s", says.why.c_str());
       if (t.acts > 1 && says.act != says.say) ImGui::TextColored(ink::plain(), "Now: %s.", says.act.c_str());

@@ -15,26 +15,27 @@ namespace {
 struct Card {
   const char *title, *words;
   FrameRect DeskLayout::*panel;
+  const char* ask = "";  // done, the tour goes on
 };
 constexpr Card kCard[DeskTour::kCards] = {
     {"The patient",
      "The right mouse button turns the view, the wheel comes nearer, the middle one shifts. Without a mouse: arrows "
      "lead "
      "the tool, Enter presses and lets go, Ctrl+arrows turn the view.",
-     &DeskLayout::stage},
+     &DeskLayout::stage, "Try it: turn the view."},
     {"Tools",
      "Choose one here or by its number, and use it with the left button. Rest the mouse on a tool: it says what the "
      "hand "
      "does. Depth, angle and spacing stand below.",
-     &DeskLayout::tools},
+     &DeskLayout::tools, "Try it: choose the scalpel, 2."},
     {"What to do",
      "The lesson's steps, with what was off. N shows the next act. Below stand stitches with their forces, hooks, and "
      "all "
      "that was done.",
-     &DeskLayout::patient},
+     &DeskLayout::patient, "Try it: let the first act be shown, N."},
     {"Back and forth",
      "Ctrl+Z takes an act back, Ctrl+Y does it again. U shows every act with its picture: click on one to go there.",
-     &DeskLayout::stage},
+     &DeskLayout::stage, "Try it: take it back, Ctrl+Z."},
     {"How the session runs",
      "How fast hand, patient and pictures are, and whether the tissue has come to rest: measure when it has.",
      &DeskLayout::lanes},
@@ -42,9 +43,20 @@ constexpr Card kCard[DeskTour::kCards] = {
      "The menus hold every choice with its key; F1 lists the keys. Larger letters and colours for a projector are "
      "under "
      "View. This tour is under Help.",
-     &DeskLayout::menu}};
+     &DeskLayout::menu, "Try it: open the list of keys, F1."}};
 
 }  // namespace
+
+bool DeskTour::see(const TourSeen& seen) {
+  if (!open()) return false;
+  const bool done[kCards] = {seen.turned, seen.chose, seen.acted, seen.took_back, false, seen.looked_up};
+  if (praise_ > 0) {
+    if (--praise_ == 0) next();
+  } else if (done[card_ - 1]) {
+    praise_ = kPraiseFrames;
+  }
+  return praise_ > 0;
+}
 
 void DeskTour::draw(const DeskLayout& l, std::vector<FrameRect>& covered) {
   if (!open()) return;
@@ -62,6 +74,7 @@ void DeskTour::draw(const DeskLayout& l, std::vector<FrameRect>& covered) {
   ImGui::TextColored(ink::quiet(), "A tour of one minute, %d of %d", card_, kCards);
   ImGui::TextColored(ink::hint(), "%s", c.title);
   ImGui::TextWrapped("%s", c.words);
+  if (*c.ask) ImGui::TextColored(praises() ? ink::good() : ink::warn(), "%s", praises() ? "Done." : c.ask);
   ImGui::Spacing();
   if (ImGui::Button("Skip  Esc")) end();
   ImGui::SameLine();
