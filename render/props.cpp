@@ -262,7 +262,7 @@ void add_needle(PropMesh& mesh, const ToolPose& tool, const Vec3f& shaft, const 
 
 }  // namespace
 
-void add_sewn_thread(PropMesh& mesh, const Vec3f& end_mm, const Vec3f& up, const ToolPose& tool) {
+void add_sewn_thread(PropMesh& mesh, const Vec3f& end_mm, const Vec3f& up, const Vec3f& across, const ToolPose& tool) {
   const bool held = tool.visible && tool.kind == ToolPose::Kind::needle_holder && tool.bites == 0;
   std::vector<Vec3f> way{end_mm - 0.3f * up, end_mm + 0.4f * up};
   if (held) {
@@ -271,7 +271,7 @@ void add_sewn_thread(PropMesh& mesh, const Vec3f& end_mm, const Vec3f& up, const
     way.push_back(0.5f * (end_mm + eye) + 1.5f * up);  // it hangs loose
     way.push_back(eye);
   } else {
-    const Vec3f aside = any_normal(up), on = up.cross(aside);
+    const Vec3f aside = direction(across - across.dot(up) * up, any_normal(up)), on = up.cross(aside);
     for (const auto& [a, o] : {std::pair(4.0f, 1.0f), {9.0f, 3.5f}, {15.0f, 3.0f}, {20.0f, 6.0f}})
       way.push_back(end_mm + a * aside + o * on + 0.5f * up);
   }

@@ -48,7 +48,7 @@ BiteWord bite_word(const Snapshot& s, int number, const SutureBite& bite, const 
     off = "Take as much on both sides, or one edge comes to lie higher.";
   else if (before && spacing_mm > 0 && std::abs(on - spacing_mm) > kRegular * spacing_mm)
     off = fmt::format("The one before was {:.1f} mm on: even bites share the pull.", spacing_mm);
-  if (off.empty()) return {words, true};
+  if (off.empty()) return {words + (number == 1 ? " Go on with the next one; Shift+0 ties the thread." : ""), true};
   return {words + " " + off + " Ctrl+Z takes it back.", false};
 }
 

@@ -300,7 +300,7 @@ void Coach::tell_bites(const Snapshot& s) {
 
 void Coach::look(const Snapshot& s, const HandSeen& hand) {
   t_s_ = std::max(t_s_, double(s.device_tick) * 1e-3);
-  sutures_ = s.sutures;
+  sutures_ = s.sutures, sewing_ = s.sewn.thread != 0;
   if (hand.tool.pressed || hand.showing || hand.tool.tool != tool_) active_s_ = t_s_;
   tool_ = hand.tool.tool;
   follow_stroke(s, hand);
@@ -371,6 +371,7 @@ Attempt Coach::present() const {
   count("Presses that came to nothing", missed_, "Look where the tip is before you press.");
   count("Acts that were refused", refused_, "Read the reason: it says what is missing.");
   if (shown_acts_ > 0) a.rows.push_back({"Acts that were shown", std::to_string(shown_acts_), 0, true, false});
+  if (sewing_) better.emplace_back(2, "The running stitch is not tied: its knot is made at its last bite (Shift+0).");
   if (!progress_.stray.empty())
     better.emplace_back(3, fmt::format("{} {} on the patient that the plan does not have.", progress_.stray.size(),
                                        progress_.stray.size() == 1 ? "act stands" : "acts stand"));

@@ -59,8 +59,8 @@ struct CoachSays {
   const LessonQuestion* question = nullptr;  // not answered yet
   std::string answer;                        // what was right, after it was answered
   bool answer_right = false;
-  std::optional<ChartPoint> answer_place;    // where that is, of a place that was asked for
-  std::string word;                          // the newest word on what was done; empty after a while
+  std::optional<ChartPoint> answer_place;  // where that is, of a place that was asked for
+  std::string word;                        // the newest word on what was done; empty after a while
   bool word_is_praise = false;
   std::vector<LiveRow> stroke;  // while one is drawn
   std::string stroke_of;        // what it is meant to be
@@ -132,6 +132,7 @@ class Coach {
   double t_s_ = 0, active_s_ = 0, word_s_ = 0, began_s_ = 0;
   int undone_ = 0, missed_ = 0, refused_ = 0, shown_acts_ = 0;
   std::vector<SutureState> sutures_;
+  bool sewing_ = false;  // a thread is not tied yet
   // The stroke that is being drawn.
   SurfaceIndex skin_{Ground::skin};
   int32_t touched_ = -1;

@@ -98,7 +98,8 @@ float DeskLesson::next_step(const Coach& c, float x, float y, float w, float mos
       }
       ImGui::TextColored(ink::quiet(), "Then: %s", says.say.c_str());
     } else {
-      if (!says.answer.empty()) ImGui::TextColored(says.answer_right ? ink::good() : ink::warn(), "%s", says.answer.c_str());
+      if (!says.answer.empty())
+        ImGui::TextColored(says.answer_right ? ink::good() : ink::warn(), "%s", says.answer.c_str());
       ImGui::TextUnformatted(says.say.c_str());
       if (!says.why.empty()) ImGui::TextColored(ink::quiet(), "Why: %s", says.why.c_str());
       if (t.acts > 1 && says.act != says.say) ImGui::TextColored(ink::plain(), "Now: %s.", says.act.c_str());

@@ -51,6 +51,27 @@ struct Interrupts : Cli {
   }
 };
 
+// A running stitch by an emulated hand, bite by bite with one taken back: its recording replays to the same bits.
+TEST_F(Cli, ARunningStitchByHandIsRecordedAndReplayed) {
+  const std::string scene = file("small.toml", small_scene());
+  std::string lines = "{\"action\":\"incise\",\"path\":[[-18,1],[18,1]],\"depth_mm\":5}\n";
+  for (const char* x : {"-8", "-4", "3"})
+    lines += std::string("{\"action\":\"suture_bite\",\"a\":[") + x + ",-1],\"b\":[" + x + ",3]}\n";
+  lines +=
+      "{\"action\":\"undo\"}\n{\"action\":\"suture_bite\",\"a\":[0,-1],\"b\":[0,3]}\n{\"action\":\"suture_tie\"}\n";
+  const std::string log = path("bites.lcm"), f = file("bites.jsonl", script(lines));
+  Outcome o = run("emulate " + scene + " " + f + " --seed 3 --out " + log + " --json " + path("e.json"));
+  ASSERT_EQ(o.status, 0) << o.err;
+  o = run("replay " + log + " --json " + path("r.json"));
+  ASSERT_EQ(o.status, 0) << o.err;
+  const json e = json::parse(slurp(path("e.json"))), r = json::parse(slurp(path("r.json")));
+  EXPECT_EQ(e["state_hash"], r["state_hash"]);
+  EXPECT_EQ(r["checkpoints"]["compared"], r["checkpoints"]["equal"]);
+  EXPECT_GT(r["checkpoints"]["compared"].get<int>(), 3);
+  EXPECT_TRUE(r["refused"].empty()) << r["refused"];
+  ASSERT_EQ(r["metrics"]["sutures"].size(), 3u) << "the third bite was taken back, another took its place";
+}
+
 TEST_F(Interrupts, AReplayWritesHowFarItCame) {
   const json j = kept({"replay", kSource + "/recordings/rhomboid.lcm"}, path("r.json"));
   EXPECT_TRUE(j.value("interrupted", false));

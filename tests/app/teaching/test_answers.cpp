@@ -108,7 +108,8 @@ TEST(Bites, AreToldByTheirDistanceFromTheEdgeAndFromOneAnother) {
   const SutureBite first{{-2, 0}, {2.2, 0}}, second{{-2, 4}, {2, 4}}, third{{-1.8, 8.2}, {2, 8}};
   const BiteWord one = bite_word(s, 1, first, nullptr, 0);
   EXPECT_TRUE(one.praise);
-  EXPECT_EQ(one.words, "Bite 1: 2.0 and 2.2 mm from the edges.");
+  EXPECT_EQ(one.words.rfind("Bite 1: 2.0 and 2.2 mm from the edges.", 0), 0u) << one.words;
+  EXPECT_NE(one.words.find("Shift+0 ties"), std::string::npos);
   const BiteWord three = bite_word(s, 3, third, &second, bites_apart_mm(first, second));
   EXPECT_TRUE(three.praise) << three.words;
   EXPECT_NE(three.words.find("4.1 mm on"), std::string::npos) << three.words;
@@ -142,6 +143,16 @@ TEST(Bites, AlongAPlannedRowAreItsAttemptAndNoStray) {
     EXPECT_EQ(coach.says().word.rfind("Bite " + std::to_string(k + 1), 0), 0u) << coach.says().word;
   }
   EXPECT_EQ(coach.progress().act[row].state, ActProgress::done);
+  Snapshot sewing = s;
+  sewing.sewn.thread = 1;
+  const auto not_tied = [&] {
+    bool told = false;
+    for (const std::string& b : coach.present().better) told |= b.find("not tied") != std::string::npos;
+    return told;
+  };
+  EXPECT_FALSE(not_tied());
+  coach.look(sewing, {});
+  EXPECT_TRUE(not_tied());
   did(coach, SutureBite{{-40, 40}, {-36, 40}}, 70);
   EXPECT_EQ(coach.progress().stray.size(), 1u) << "far from any row it is one";
 }
