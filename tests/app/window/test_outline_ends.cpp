@@ -114,8 +114,11 @@ Cut drawn(const std::vector<ChartPoint>& outline) {
   for (const Refusal& r : a.solver.refused()) ADD_FAILURE() << r.command << ": " << r.reason;
   EXPECT_EQ(a.done.size(), 1u);
   const auto* e = a.done.empty() ? nullptr : std::get_if<Excise>(&a.done[0]);
+  std::string corners;
+  for (size_t i = 0; e && i < e->outline.size(); ++i)
+    corners += "(" + std::to_string(e->outline[i].x()) + ", " + std::to_string(e->outline[i].y()) + ") ";
   if (e) {
-    EXPECT_EQ(e->outline.size(), 4u);
+    EXPECT_EQ(e->outline.size(), 4u) << (std::is_same_v<Hand, Mouse> ? "mouse: " : "stylus: ") << corners;
   }
   const World& world = *a.world;
   return {world.skin()->removed_volume_mm3(), world.skin()->topology_hash()};
@@ -143,9 +146,9 @@ TEST(OutlineEnds, PocketsAndWallsFollowTheSameRule) {
         const Outcome o = a.patient->apply(Undermine{rectangle(beyond_mm), 4});
         ASSERT_TRUE(o.done) << o.reason;
       } else {
-        ASSERT_TRUE(a.patient->apply(Incise{{{-12, -5}, {12, -5}}, 4, 90}).done);
+        ASSERT_TRUE(a.patient->apply(Incise{{{-12, -7}, {12, -7}}, 4, 90}).done);
         ASSERT_TRUE(a.patient->apply(Undermine{{{-12, -7}, {12, -7}, {12, 8}, {-12, 8}}, 4}).done);
-        const Outcome o = a.patient->apply(Excise{rectangle(beyond_mm), 4, false});
+        const Outcome o = a.patient->apply(Excise{rectangle(beyond_mm), 5, false});
         ASSERT_TRUE(o.done) << o.reason;
       }
       topology.push_back(a.world->skin()->topology_hash());
