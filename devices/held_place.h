@@ -2,7 +2,7 @@
 // Where a place of the tissue lies now that is named by where it lay at rest: on skin or on a cut face.
 #include <optional>
 
-#include "sim/commands/skin_acts.h"
+#include "sim/commands/command.h"
 #include "sim/patient/snapshot.h"
 
 namespace limberg {

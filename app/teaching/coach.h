@@ -84,7 +84,7 @@ class Coach {
   void look(const Snapshot& patient, const HandSeen& hand);
   /// The number of the answer, from 1. Nothing is asked: nothing happens.
   void answer(int number);
-  /// Of a question about a place (of the chart, at rest), or about a number. Another is asked, or none: nothing happens.
+  /// Of a question about a place (of the chart, at rest), or a number. Another is asked, or none: nothing happens.
   void answer_place(const ChartPoint& at);
   void answer_number(double value);
   void set_mode(LessonMode mode);

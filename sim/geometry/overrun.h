@@ -1,8 +1,8 @@
 #pragma once
 // Where an outline that was drawn once round is closed.
 //
-// A hand seldom ends where it began: it runs on beyond its beginning, by half a millimetre or by five, and what it draws
-// there is no part of what it means. One rule for every outline, whether a hand drew it or a script states it: where
+// A hand seldom ends where it began: it runs on beyond its beginning, by half a mm or by five, and what it draws there
+// is no part of what it means. One rule for every outline, whether a hand drew it or a script states it: where
 // the end of the way passes its beginning within kPasses_mm, and runs on for kRunsOn_mm at most, it is closed there.
 //
 // Looked for in the last third of the way, so that a narrow outline is not closed at its waist. Where the end itself is

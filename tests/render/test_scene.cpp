@@ -160,7 +160,7 @@ TEST(SceneBuilder, ARunningThreadHasItsKnotsAtItsEnds) {
   }
 }
 
-// A thread that is sewn bite after bite has no knot at its last bite: it goes on to the needle, or lies beside the wound.
+// A thread that is sewn bite after bite has no knot at its last bite: it goes on to the needle, or lies beside it.
 TEST(SceneBuilder, AThreadThatIsBeingSewnGoesOnToTheNeedle) {
   Snapshot s = sample_snapshot({.wave_mm = 0, .sutures = 3, .hooks = 0});
   for (SutureState& k : s.sutures) k.thread = 1;

@@ -1,4 +1,4 @@
-// An outline whose end runs on beyond its beginning gives one cut, stated by a script, drawn with a stylus or the mouse.
+// An outline whose end runs on beyond its beginning gives one cut, stated by a script, drawn with stylus or mouse.
 #include <gtest/gtest.h>
 
 #include <cmath>
