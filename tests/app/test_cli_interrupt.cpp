@@ -77,6 +77,7 @@ TEST_F(Interrupts, AReplayWritesHowFarItCame) {
   EXPECT_TRUE(j.value("interrupted", false));
   EXPECT_FALSE(j.value("ok", true));
   EXPECT_LT(j.value("duration_s", 1e9), 50) << "the whole recording";
+  ASSERT_TRUE(j.contains("solver"));
   EXPECT_GT(j["solver"].value("steps", 0), 0);
 }
 
@@ -94,19 +95,20 @@ TEST_F(Interrupts, OrdersOfClosureThatWereTriedAreTold) {
   const json j = kept({"operate", scene, f, "--orders", orders}, path("o.json"));
   EXPECT_TRUE(j.value("interrupted", false));
   EXPECT_FALSE(j.value("ok", true));
-  ASSERT_FALSE(j["tables"].empty());
+  ASSERT_TRUE(j.contains("tables") && !j["tables"].empty());
   const size_t rows = j["tables"][0]["rows"].size();
   EXPECT_GE(rows, 1u);
   EXPECT_LT(rows, 281u);
 }
 
 TEST_F(Interrupts, DesignsThatWereTriedAreRanked) {
-  const std::string scene = file("small.toml", small_scene());
-  const json j =
-      kept({"design", scene, "--defect", "circle:0,0,8", "--turn-step", "5", "--coarse-mm", "8"}, path("d.json"));
+  // Seventy-two orientations of one flap, a second or more each.
+  const json j = kept({"design", "rhomboid", "--defect", "circle:0,0,14", "--types", "rhomboid", "--turn-step", "5",
+                       "--coarse-mm", "8"},
+                      path("d.json"));
   EXPECT_TRUE(j.value("interrupted", false));
   EXPECT_FALSE(j.value("ok", true));
-  ASSERT_FALSE(j["tables"].empty());
+  ASSERT_TRUE(j.contains("tables") && !j["tables"].empty());
   EXPECT_GE(j["tables"][0]["rows"].size(), 1u);
 }
 
