@@ -103,9 +103,10 @@ TEST_F(Interrupts, OrdersOfClosureThatWereTriedAreTold) {
 
 TEST_F(Interrupts, DesignsThatWereTriedAreRanked) {
   // Seventy-two orientations of one flap, a second or more each.
-  const json j = kept({"design", "rhomboid", "--defect", "circle:0,0,14", "--types", "rhomboid", "--turn-step", "5",
-                       "--coarse-mm", "8"},
-                      path("d.json"));
+  const std::string scene = file("wide.toml", limberg::test::small_block({.name = "wide", .side_mm = 100}));
+  const json j = kept(
+      {"design", scene, "--defect", "circle:0,0,10", "--types", "rhomboid", "--turn-step", "5", "--coarse-mm", "8"},
+      path("d.json"));
   EXPECT_TRUE(j.value("interrupted", false));
   EXPECT_FALSE(j.value("ok", true));
   ASSERT_TRUE(j.contains("tables") && !j["tables"].empty());
