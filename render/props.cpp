@@ -272,8 +272,9 @@ void add_sewn_thread(PropMesh& mesh, const Vec3f& end_mm, const Vec3f& up, const
     way.push_back(eye);
   } else {
     const Vec3f aside = direction(across - across.dot(up) * up, any_normal(up)), on = up.cross(aside);
-    for (const auto& [a, o] : {std::pair(4.0f, 1.0f), {9.0f, 3.5f}, {15.0f, 3.0f}, {20.0f, 6.0f}})
-      way.push_back(end_mm + a * aside + o * on + 0.5f * up);
+    // In an arc: at a wound's edge the skin's normal leans, and a thread laid flat by it would dive.
+    for (const Vec3f& p : {Vec3f(2, 0.5f, 2.5f), Vec3f(5, 2, 5), Vec3f(9, 2, 6.5f), Vec3f(13, 4, 6.5f)})
+      way.push_back(end_mm + p.x() * aside + p.y() * on + p.z() * up);
   }
   smooth_tube(mesh, way, kThread_mm, thread_look());
 }
