@@ -51,6 +51,11 @@ Command CommandBuilder::finish_drawing(const ToolEvent& e, const std::vector<Cha
   return piece;
 }
 
+Command CommandBuilder::deep_stitch(const Vec3& b_rest_mm, HeldSide side_b) const {
+  const Vec3 &a = suture_a_rest_mm_, &b = b_rest_mm;
+  return InSpace{Suture{{a.x(), a.y()}, {b.x(), b.y()}, 0, side_a_, side_b}, {a.z(), b.z()}};
+}
+
 std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
   const ChartPoint here(e.chart_x, e.chart_y);
   const Vec3 rest(e.rest_mm[0], e.rest_mm[1], e.rest_mm[2]), world(e.world_mm[0], e.world_mm[1], e.world_mm[2]);
@@ -115,7 +120,8 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
       const double same = (row_a_ends_[0] - stroke_begin_).norm() + (row_a_ends_[1] - end).norm();
       const double crossed = (row_a_ends_[0] - end).norm() + (row_a_ends_[1] - stroke_begin_).norm();
       if (crossed < 0.5 * same) std::reverse(path.begin(), path.end());
-      return SutureRow{std::move(row_a_), std::move(path), e.spacing_mm, 0, tool == Tool::suture_running};
+      return SutureRow{std::move(row_a_), std::move(path), e.spacing_mm,
+                       tool == Tool::suture_row_buried ? e.depth_mm : 0, tool == Tool::suture_running};
     }
     case ToolEvent::hook_set:
       return SetHook{e.id, here};
@@ -124,7 +130,7 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
     case ToolEvent::hook_release:
       return ReleaseHook{e.id};
     case ToolEvent::suture_a:
-      suture_a_ = here;
+      suture_a_ = here, suture_a_rest_mm_ = rest, side_a_ = HeldSide(e.side);
       have_suture_a_ = true, have_tip_ = false;
       return {};
     case ToolEvent::suture_cancel:
@@ -140,10 +146,14 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
         if (!have_tip_) return ++dropped_, std::nullopt;
         return SutureCorner{suture_tip_, suture_a_, here, e.depth_mm};
       }
+      if (tool == Tool::suture_bites) return SutureBite{suture_a_, here};
+      if (side_a_ != HeldSide::skin || HeldSide(e.side) != HeldSide::skin) return deep_stitch(rest, HeldSide(e.side));
       return Suture{suture_a_, here, tool == Tool::suture_buried ? e.depth_mm : 0};
     case ToolEvent::suture_tip:
       suture_tip_ = here, have_tip_ = have_suture_a_;
       return {};
+    case ToolEvent::suture_knot:
+      return TieSuture{};
     case ToolEvent::suture_cut:
       return CutSuture{{0, here}};
     case ToolEvent::bone_grab:

@@ -21,6 +21,7 @@ class CommandBuilder {
   ///   stroke_end -> Incise (scissors too), Undermine, Excise or Mark; the second stroke of a pair -> SutureRow (turned
   ///   when it was plainly drawn the other way); hook_set -> SetHook; hook_leave -> MoveHook to where it was left,
   ///   seconds 0; hook_release -> ReleaseHook; suture_b -> Suture, or SutureCorner where suture_tip came before;
+  ///   of the running stitch SutureBite, of a stitch in a cut face InSpace; suture_knot -> TieSuture;
   ///   suture_cut -> CutSuture; undo -> Undo; redo -> Redo; stage -> Stage.
   ///   Of the saw stroke_end -> CutBone (bone_contour.h); bone_grab -> GrabFragment; bone_drag -> DragFragment to where
   ///   it was taken,
@@ -37,6 +38,7 @@ class CommandBuilder {
 
  private:
   std::optional<Command> draw_on(const ToolEvent& e);
+  Command deep_stitch(const Vec3& b_rest_mm, HeldSide side_b) const;
   Command finish_drawing(const ToolEvent& e, const std::vector<ChartPoint>& drawn);
 
   PathSettings path_;
@@ -50,6 +52,8 @@ class CommandBuilder {
   bool have_row_a_ = false, have_suture_a_ = false;
   bool have_tip_ = false;
   ChartPoint suture_a_{0, 0}, suture_tip_{0, 0};
+  Vec3 suture_a_rest_mm_ = Vec3::Zero();
+  HeldSide side_a_ = HeldSide::skin;
   int dropped_ = 0;
 };
 

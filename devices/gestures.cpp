@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "devices/held_place.h"
 #include "sim/base/elementary.h"
 
 namespace limberg {
@@ -66,7 +67,7 @@ void Gestures::find_touch(int64_t tick, const Pose& pose, const Snapshot& s) {
   if (another) {
     touch_.triangle = -1;
     if (doing_ == Doing::stroke && sews_along(tool_)) edge_.found_again(index_, s);
-    for (int i = 0; i < state_.bites; ++i) bite_[size_t(i)] = index_.closest(s, bite_[size_t(i)].x_mm, -1);
+    for (int i = 0; i < state_.bites; ++i) bite_[size_t(i)] = index().closest(s, bite_[size_t(i)].x_mm, -1);
   }
   const bool near = touch_.triangle >= 0 && touch_.distance_mm < kNearMm;
   const int32_t hint = near ? touch_.triangle : -1;
@@ -104,7 +105,8 @@ void Gestures::control(const ControlSample& c, int64_t tick, const Snapshot& s, 
   switch (c.kind) {
     case ControlSample::select_tool:
       cancel(tick, s, out);
-      if (acts_on_bone(tool_) != acts_on_bone(c.tool)) touch_ = {};  // another ground
+      if (acts_on_bone(tool_) != acts_on_bone(c.tool) || (tool_ == Tool::suture_deep) != (c.tool == Tool::suture_deep))
+        touch_ = {};  // another ground
       tool_ = c.tool;
       depth_mm_ = c.value[kDepth] > 0 ? c.value[kDepth] : g_.default_depth_mm;
       angle_deg_ = c.value[kAngle] > 0 && c.value[kAngle] < 180 ? c.value[kAngle] : 0;
@@ -267,7 +269,33 @@ void Gestures::bite(const Snapshot& s, EventSink& out, int64_t tick) {
   }
   doing_ = Doing::suture;
   bite_[0] = touch_, state_.bites = 1;
-  emit(event(ToolEvent::suture_a, tick, s), out);
+  emit_bite(ToolEvent::suture_a, tick, s, out);
+}
+
+/// A cut face along the skin looks away from it (a flap's underside) or towards it (its bed); across it, it is a wall.
+void Gestures::emit_bite(int kind, int64_t tick, const Snapshot& s, EventSink& out) {
+  ToolEvent e = event(kind, tick, s);
+  if (tool_ == Tool::suture_deep && s.topology->view.kind[size_t(touch_.triangle)] == FaceKind::wall) {
+    constexpr double kInto_mm = 0.2;
+    const auto normal = [&](int32_t t) {
+      const SurfaceView& v = s.topology->view;
+      const Vec3 &a = v.X_mm[size_t(v.tri[size_t(t)][0])], &b = v.X_mm[size_t(v.tri[size_t(t)][1])],
+                 &c = v.X_mm[size_t(v.tri[size_t(t)][2])];
+      return Vec3((b - a).cross(c - a).normalized());
+    };
+    const SkinTouch skin = index_.closest(s, touch_.x_mm, -1);
+    const Vec3 n = normal(touch_.triangle);
+    e.side = int32_t(skin.triangle >= 0 ? side_of_face(n, normal(skin.triangle)) : HeldSide::wall);
+    for (int i = 0; i < 3; ++i) e.rest_mm[i] -= kInto_mm * n[i];
+  }
+  emit(e, out);
+}
+
+void Gestures::press_knot(int64_t tick, const Snapshot& s, EventSink& out) {
+  const SewnThread& t = s.sewn;
+  if (t.thread == 0 || (t.end_mm.cast<double>() - touch_.x_mm).norm() > g_.knot_mm)
+    return miss(MissedPress::no_thread, tick, out);
+  emit(event(ToolEvent::suture_knot, tick, s), out);
 }
 
 /// Let go: across the wound, or in the tip of a flap.
@@ -277,6 +305,7 @@ void Gestures::second_bite(int64_t tick, const Snapshot& s, EventSink& out) {
     miss(MissedPress::second_bite, tick, out);
     return emit(event(ToolEvent::suture_cancel, tick, s), out);
   }
+  if (tool_ == Tool::suture_deep) return emit_bite(ToolEvent::suture_b, tick, s, out);  // cut faces say where they are
   if (const SkinTouch apart = index_.closest_apart(s, meant_tip(), bite_[0], g_.apart_mm); apart.triangle >= 0)
     touch_ = apart;
   else if ((touch_.x_mm - bite_[0].x_mm).norm() < SurfaceIndex::kSheetRadius_mm)
@@ -311,6 +340,8 @@ void Gestures::press(int64_t tick, const Pose& pose, const Snapshot& s, EventSin
     emit(e, out);
   } else if (tool_ == Tool::scissors) {
     press_scissors(tick, s, out);
+  } else if (tool_ == Tool::suture_knot) {
+    press_knot(tick, s, out);
   } else if (sews_bites(tool_)) {
     bite(s, out, tick);
   } else if (sews_along(tool_)) {  // told when it is known on which skin it was drawn

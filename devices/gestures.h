@@ -11,6 +11,10 @@
 //   suture             press at a, let go at b: on other skin than that around a, if there is some under the tip
 //   suture_buried      the same; the bites lie in the wound's walls
 //   suture_corner      press on a bank, let go in the flap's tip, press on the other bank
+//   suture_bites       the same; each stitch goes on with the thread of the one before
+//   suture_knot        press beside the last bite of that thread: it is tied there
+//   suture_row_buried  two strokes, as of a row; the bites lie in the wound's walls
+//   suture_deep        press at a, let go at b: each on skin or on a cut face, a flap's underside, its bed, a wall
 //   scissors           press beside a stitch: its thread is cut; press at an edge of the wound, draw, let go: a cut
 //   marker, swab       press on the skin, draw, let go: a line of the pen; what is wiped off
 //   saw                press on bone, draw once round, let go: the closed line of an osteotomy
@@ -42,6 +46,7 @@ struct GestureSettings {
   double resume_mm = 8;        // ... if the hand comes back within this distance
   double stitch_mm = 5;        // scissors cut a thread that is this near, as the patient picks one
   double edge_mm = 3;          // ... else tissue, from an edge of a wound that is this near
+  double knot_mm = 6;          // a thread is tied by a press that is this near to its last bite
   double apart_mm = 1.5;       // a stitch's second place is sought so far from the tip on other skin than the first
   double rest_mm = 0.8;        // a hand that stayed within this for a tenth of a second rests
   double default_depth_mm = 4, default_spacing_mm = 4;
@@ -91,6 +96,9 @@ class Gestures {
   void bite(const Snapshot& s, EventSink& out, int64_t tick);
   void second_bite(int64_t tick, const Snapshot& s, EventSink& out);
   void show_bites(const Snapshot& s);
+  void press_knot(int64_t tick, const Snapshot& s, EventSink& out);
+  /// Of the touched place, in the tissue by a little where that is a cut face.
+  void emit_bite(int kind, int64_t tick, const Snapshot& s, EventSink& out);
   void begin_stroke(int64_t tick, const Snapshot& s, EventSink& out);
   void emit_row(int64_t tick, const Snapshot& s, EventSink& out);
   ToolEvent event(int kind, int64_t tick, const Snapshot& s) const;
@@ -98,10 +106,12 @@ class Gestures {
   void miss(int kind, int64_t tick, EventSink& out);
   /// How far two touched places are apart at rest: on the chart, on bone in space.
   double apart(const SkinTouch& a, const SkinTouch& b) const;
-  SurfaceIndex& index() { return acts_on_bone(tool_) ? bone_index_ : index_; }
+  SurfaceIndex& index() {
+    return acts_on_bone(tool_) ? bone_index_ : tool_ == Tool::suture_deep ? flesh_index_ : index_;
+  }
 
   GestureSettings g_;
-  SurfaceIndex index_{Ground::skin}, bone_index_{Ground::bone};
+  SurfaceIndex index_{Ground::skin}, bone_index_{Ground::bone}, flesh_index_{Ground::flesh};
   SkinTouch touch_;
   Tool tool_ = Tool::none;
   double depth_mm_ = 4, angle_deg_ = 0, spacing_mm_ = 4;

@@ -14,7 +14,8 @@ struct MissedPress {
     place,        // no bone is touched where a place was to be named
     control,      // a control that this patient does not understand
     no_hook,      // no hook stands here that could be taken out
-    no_edge       // scissors, and neither a stitch nor an edge of a wound to begin at
+    no_edge,      // scissors, and neither a stitch nor an edge of a wound to begin at
+    no_thread     // a knot, and no thread that is sewn on, or its last bite lies elsewhere
   };
   int64_t tick = 0;
   int32_t kind = press;

@@ -40,14 +40,23 @@ enum class Tool : int32_t {
   suture_running = 12,
   hook_out = 13,
   marker = 14,
-  swab = 15
+  swab = 15,
+  suture_bites = 16,       // a running stitch, bite after bite
+  suture_knot = 17,        // its knot
+  suture_row_buried = 18,  // along both edges, in the wound's walls
+  suture_deep = 19         // a stitch into skin or cut faces, whichever is touched
 };
-inline constexpr Tool kLastTool = Tool::swab;
+inline constexpr Tool kLastTool = Tool::suture_deep;
 /// Those that act on bone instead of skin: the saw draws a closed line on it, grab carries a fragment.
 /// Drawn along both edges of a wound, one after the other.
-inline bool sews_along(Tool t) { return t == Tool::suture_row || t == Tool::suture_running; }
+inline bool sews_along(Tool t) {
+  return t == Tool::suture_row || t == Tool::suture_running || t == Tool::suture_row_buried;
+}
 /// A needle that goes from bite to bite.
-inline bool sews_bites(Tool t) { return t == Tool::suture || t == Tool::suture_buried || t == Tool::suture_corner; }
+inline bool sews_bites(Tool t) {
+  return t == Tool::suture || t == Tool::suture_buried || t == Tool::suture_corner || t == Tool::suture_bites ||
+         t == Tool::suture_deep;
+}
 inline bool acts_on_bone(Tool t) { return t == Tool::saw || t == Tool::grab; }
 
 /// One stylus reading (LCM stylus_t), as received: tracker noise and gaps included.

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "sim/base/elementary.h"
+#include "sim/geometry/overrun.h"
 #include "sim/geometry/polyline.h"
 
 namespace limberg {
@@ -146,17 +147,7 @@ std::vector<Vec2> simplify_outline(const std::vector<Vec2>& points, const PathSe
   std::vector<Vec2> p = without_repeats(points);
   if (p.size() < 4) return p;
 
-  // Where the hand comes back to its start the outline is closed: cut off what runs on beyond it. Looked for in the
-  // last third of the way, so that a narrow outline is not closed at its waist.
-  const double length = path_length(p);
-  double walked = 0, nearest = 1e30;
-  size_t closing = p.size() - 1;
-  for (size_t i = 1; i < p.size(); ++i) {
-    walked += (p[i] - p[i - 1]).norm();
-    if (walked < length * 2 / 3) continue;
-    if (const double d = (p[i] - p.front()).norm(); d < nearest) nearest = d, closing = i;
-  }
-  p.resize(closing + 1);
+  p.resize(points_to_closing(p));
   if ((p.back() - p.front()).norm() < 3 * s.tolerance_mm && p.size() > 4) p.pop_back();
 
   // Begin at a point that is a corner whatever the start was: the one furthest from the middle.

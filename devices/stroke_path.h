@@ -19,8 +19,8 @@ struct PathSettings {
 /// edge's line. Fewer than two points after joining: returned as they are.
 std::vector<Vec2> simplify_path(const std::vector<Vec2>& points, const PathSettings& settings = {});
 
-/// The same for a closed outline; the first point is not repeated at the end. The stroke's overlap, where the hand
-/// passes its own start, is cut off.
+/// The same for a closed outline; the first point is not repeated at the end. What runs on beyond its own start is cut
+/// off (sim/geometry/overrun.h).
 std::vector<Vec2> simplify_outline(const std::vector<Vec2>& points, const PathSettings& settings = {});
 
 }  // namespace limberg

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
+#include "devices/held_place.h"
 #include "sim/base/elementary.h"
 #include "sim/geometry/spline.h"
 
@@ -236,7 +238,10 @@ void SurgeonPlan::plan(const SutureRow& c) {
   if (c.a.empty() || c.b.empty()) return;
   for (const ChartPoint& p : {c.a.front(), c.a.back(), c.b.front(), c.b.back()})
     if (!reachable(p)) return;
-  control(ControlSample::select_tool, c.running ? Tool::suture_running : Tool::suture_row, {0, 0, c.spacing_mm, 0});
+  if (c.depth_mm > 0 && !c.running)
+    control(ControlSample::select_tool, Tool::suture_row_buried, {c.depth_mm, 0, c.spacing_mm, 0});
+  else
+    control(ControlSample::select_tool, c.running ? Tool::suture_running : Tool::suture_row, {0, 0, c.spacing_mm, 0});
   stroke(c.a, false, 90);
   stroke(c.b, false, 90);
 }
@@ -250,6 +255,60 @@ void SurgeonPlan::plan(const SutureCorner& c) {
   hold(on_skin(c.b), set_.corner_pause_s);
   mark(Step::let_go);
   rise(on_skin(c.b));
+}
+
+void SurgeonPlan::plan(const SutureBite& c) {
+  if (!reachable(c.a) || !reachable(c.b)) return;
+  if (c.depth_mm > 0 || c.side_a != HeldSide::skin || c.side_b != HeldSide::skin) {
+    problems_.push_back("command " + std::to_string(number_) +
+                        ": a bite in a wall is no gesture; a bite through the edges of the skin was expected");
+    return;
+  }
+  control(ControlSample::select_tool, Tool::suture_bites);
+  sew(c.a, c.b);
+}
+
+void SurgeonPlan::plan(const TieSuture&) {
+  const SewnThread& t = sight_->seen->sewn;
+  if (t.thread == 0) {
+    problems_.push_back("command " + std::to_string(number_) + ": no thread is being sewn");
+    return;
+  }
+  const Aim aim = in_world(t.end_mm.cast<double>());
+  control(ControlSample::select_tool, Tool::suture_knot);
+  go_down(aim, set_.hover_mm);
+  mark(Step::press);
+  hold(aim, set_.corner_pause_s);
+  mark(Step::let_go);
+  rise(aim);
+}
+
+/// A stitch in cut faces, where these lie now; of other acts in space a hand knows none.
+void SurgeonPlan::plan(const InSpace& c) {
+  const auto* s = std::get_if<Suture>(&c.act);
+  if (!s || s->depth_mm > 0) {
+    problems_.push_back("command " + std::to_string(number_) +
+                        ": no gesture; of acts at places in space a stitch through skin or cut faces was expected");
+    return;
+  }
+  const std::vector<Vec3> places = places_of(c);
+  std::array<Vec3, 2> now;
+  for (size_t k = 0; k < 2; ++k)
+    if (const auto at = held_place(*sight_->seen, places[k], k == 0 ? s->side_a : s->side_b)) {
+      now[k] = *at;
+    } else {
+      problems_.push_back(fmt::format("command {}: no such face is at ({:.2f}, {:.2f}, {:.2f})", number_, places[k].x(),
+                                      places[k].y(), places[k].z()));
+      return;
+    }
+  control(ControlSample::select_tool, Tool::suture_deep);
+  go(in_world(now[0] + set_.hover_mm * sight_->body().chart_normal()));
+  go(in_world(now[0])), hold(in_world(now[0]), set_.corner_pause_s);
+  mark(Step::press);
+  hold(in_world(now[0]), set_.corner_pause_s);
+  go(in_world(now[1])), hold(in_world(now[1]), set_.corner_pause_s);
+  mark(Step::let_go);
+  rise(in_world(now[1]));
 }
 
 void SurgeonPlan::plan(const Mark& c) {

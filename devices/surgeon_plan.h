@@ -78,6 +78,9 @@ class SurgeonPlan {
   void plan(const Suture& c);
   void plan(const SutureRow& c);
   void plan(const SutureCorner& c);
+  void plan(const SutureBite& c);
+  void plan(const TieSuture& c);
+  void plan(const InSpace& c);
   void plan(const Mark& c);
   void plan(const SutureBetween& c);
   void plan(const CutSuture& c);

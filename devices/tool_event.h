@@ -31,7 +31,8 @@ struct ToolEvent {
     bone_release,
     name_place,  // of a head: rest_mm has the name `text` from now on; id 1: on the face
     told,        // what a panel or a program says: `command`; without one it says nothing yet
-    suture_tip   // of a corner's stitch: between suture_a and suture_b, the needle goes through the flap's tip
+    suture_tip,  // of a corner's stitch: between suture_a and suture_b, the needle goes through the flap's tip
+    suture_knot  // the thread that is sewn bite after bite is tied
   };
   int64_t seq = 0;        // counts events, gaps are losses
   int64_t tick = 0;       // device tick, 1 ms
@@ -46,6 +47,7 @@ struct ToolEvent {
   double depth_mm = 0, angle_deg = 90, spacing_mm = 0;
   int32_t id = 0;    // hook id, or stage number
   int32_t hand = 0;  // 0 stylus, 1 glove
+  int32_t side = 0;  // HeldSide: of a bite, what the needle goes into
   ShortText text;    // stage: its name
   std::shared_ptr<const Command> command;
 };

@@ -233,13 +233,14 @@ void add_hook(PropMesh& mesh, const HookState& hook, const Vec3f& up) {
 
 namespace {
 
+constexpr float kNeedleRadius_mm = 4.5f;
 constexpr Vec3f::Scalar kThread_mm = 0.14f;
 PropLook thread_look() { return {{0.016f, 0.035f, 0.13f}, 0.12f, id_of(Part::suture, 0)}; }
 
 /// A needle of three eighths of a circle in the jaws, its point at the tip, and the thread of a stitch that is begun:
 /// from its tail outside of the skin, through the bites, to the needle.
 void add_needle(PropMesh& mesh, const ToolPose& tool, const Vec3f& shaft, const Vec3f& wide, uint32_t id) {
-  constexpr float kRadius_mm = 4.5f, kArc = 0.75f * kPi;
+  constexpr float kRadius_mm = kNeedleRadius_mm, kArc = 0.75f * kPi;
   std::vector<Vec3f> arc;
   std::vector<float> thick;
   for (int i = 0; i <= 12; ++i) {
@@ -260,6 +261,23 @@ void add_needle(PropMesh& mesh, const ToolPose& tool, const Vec3f& shaft, const 
 }
 
 }  // namespace
+
+void add_sewn_thread(PropMesh& mesh, const Vec3f& end_mm, const Vec3f& up, const Vec3f& across, const ToolPose& tool) {
+  const bool held = tool.visible && tool.kind == ToolPose::Kind::needle_holder && tool.bites == 0;
+  std::vector<Vec3f> way{end_mm - 0.3f * up, end_mm + 0.4f * up};
+  if (held) {
+    const Vec3f s = direction(tool.shaft, Vec3f::UnitZ()), wide = s.cross(any_normal(s));
+    const Vec3f eye = tool.tip_mm + kNeedleRadius_mm * (std::sin(0.75f * kPi) * wide + (1 - std::cos(0.75f * kPi)) * s);
+    way.push_back(0.5f * (end_mm + eye) + 1.5f * up);  // it hangs loose
+    way.push_back(eye);
+  } else {
+    const Vec3f aside = direction(across - across.dot(up) * up, any_normal(up)), on = up.cross(aside);
+    // In an arc: at a wound's edge the skin's normal leans, and a thread laid flat by it would dive.
+    for (const Vec3f& p : {Vec3f(2, 0.5f, 2.5f), Vec3f(5, 2, 5), Vec3f(9, 2, 6.5f), Vec3f(13, 4, 6.5f)})
+      way.push_back(end_mm + p.x() * aside + p.y() * on + p.z() * up);
+  }
+  smooth_tube(mesh, way, kThread_mm, thread_look());
+}
 
 void add_tool(PropMesh& mesh, const ToolPose& tool) {
   if (!tool.visible || !tool.tip_mm.allFinite() || !tool.shaft.allFinite()) return;

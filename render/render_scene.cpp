@@ -146,7 +146,8 @@ const RenderScene& SceneBuilder::build(const Snapshot& snapshot, const ToolPose&
   for (size_t i = 0; i < snapshot.sutures.size(); ++i) {
     SutureState s = snapshot.sutures[i];
     const auto same = [&](size_t k) { return k < snapshot.sutures.size() && snapshot.sutures[k].thread == s.thread; };
-    if (!same(i - 1) || !same(i + 1)) s.thread = 0;  // the ends of a thread have a knot each
+    const bool goes_on = s.thread != 0 && s.thread == snapshot.sewn.thread;  // the needle is on it: no knot there yet
+    if (!same(i - 1) || (!same(i + 1) && !goes_on)) s.thread = 0;            // the ends of a thread have a knot each
     add_stitch(scene, snapshot, s);
   }
   for (const HookState& h : snapshot.hooks)
@@ -164,6 +165,13 @@ const RenderScene& SceneBuilder::build(const Snapshot& snapshot, const ToolPose&
     for (const auto& [a, b] : topology.strand)
       add_tube(scene.props, std::array{snapshot.x_mm[size_t(a)], snapshot.x_mm[size_t(b)]}, std::array{0.22f, 0.22f},
                {Vec3f(0.80f, 0.58f, 0.13f), 0, 0}, 3);
+  if (snapshot.sewn.thread != 0 && snapshot.sewn.end_mm.allFinite()) {
+    const NearestSkin at = nearest_skin(scene, snapshot.sewn.end_mm);
+    Vec3f across = Vec3f::Zero();  // the way of its last bite, out of the wound
+    for (const SutureState& k : snapshot.sutures)
+      if (k.thread == snapshot.sewn.thread && (k.b_mm - k.a_mm).norm() > 0.3f) across = k.b_mm - k.a_mm;
+    add_sewn_thread(scene.props, snapshot.sewn.end_mm, at.found ? at.normal : Vec3f(Vec3f::UnitZ()), across, tool);
+  }
   add_tool(scene.props, tool), add_gloves(scene, tool);
   return scene;
 }

@@ -659,6 +659,8 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   const bool recording_failed = recorder && recorder->failed();
   const bool at_rest = f.interrupted || f.closed || a.solver.at_rest(1e-4);
   bool reached = at_rest && !is_bad(verdict), stopped = false;
+  // A live session may be ended at any time; a recording that was not replayed to its end has not been compared whole.
+  if (f.interrupted && std::string_view(call.command) == "replay") reached = false;
   result.set_ok(reached && !recording_failed);
   if (f.interrupted) leave_figures(result, call.common);
   const std::optional<InputError> unwritten = leave_pictures(result, call, a, first, model.get(), stopped);

@@ -65,6 +65,10 @@ ToolPose tool_pose(const ToolState& t, const SecondHand& glove, const SecondHand
     case Tool::suture_corner:
     case Tool::suture_row:
     case Tool::suture_running:
+    case Tool::suture_bites:
+    case Tool::suture_knot:
+    case Tool::suture_row_buried:
+    case Tool::suture_deep:
       p.kind = ToolPose::Kind::needle_holder;
       break;
     case Tool::undermine:

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "app/teaching/saw_watch.h"
 #include "sim/base/elementary.h"
 #include "sim/commands/table.h"
 #include "sim/geometry/polyline.h"
@@ -207,9 +208,10 @@ std::optional<Offs> bone_against(const Words& w, const HeadCommand& want, const 
   const auto* blade = std::get_if<CutBoneByBlade>(&want);
   if (cut || blade) {
     const auto* sawn = std::get_if<CutBone>(&got);
-    if (std::holds_alternative<CutBoneByBlade>(got)) return blade ? std::optional(Offs{}) : std::nullopt;
+    if (std::holds_alternative<CutBoneByBlade>(got)) return blade ? plane_against(want, got, w) : std::nullopt;
     if (!sawn) return std::nullopt;
-    if (blade || sawn->contour_mm.empty()) return Offs{};  // planes: what they came to is judged on the pieces
+    if (!blade && cut->contour_mm.empty() && sawn->contour_mm.empty()) return plane_against(want, got, w);
+    if (blade || sawn->contour_mm.empty()) return Offs{};  // of two kinds: what they came to is judged on the pieces
     double most = 0;
     for (const Vec3& p : sawn->contour_mm) {
       double d = 1e9;

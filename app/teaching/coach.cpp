@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/head/measures.h"
+#include "app/teaching/bite_words.h"
 #include "app/teaching/why_missed.h"
 #include "sim/commands/kinds.h"
 #include "sim/geometry/polyline.h"
@@ -75,10 +77,25 @@ void Coach::set_mode(LessonMode mode) {
 
 void Coach::answer(int number) {
   if (!says_.question || number < 1 || number > int(says_.question->answers.size())) return;
-  const LessonQuestion& q = *says_.question;
+  answered(judge_choice(*says_.question, number, plan_.w));
   answers_[says_.step] = number;
-  says_.answer = number == q.right ? plan_.w("Right. {}", q.because)
-                                   : plan_.w("Not quite: {}. {}", q.answers[size_t(q.right - 1)], q.because);
+}
+
+void Coach::answer_place(const ChartPoint& at) {
+  if (!says_.question || !says_.question->place) return;
+  const std::optional<ChartPoint> place = says_.question->place;
+  answered(judge_place(*says_.question, at, plan_.w));
+  says_.answer_place = place;
+}
+
+void Coach::answer_number(double value) {
+  if (says_.question && says_.question->number) answered(judge_number(*says_.question, value, plan_.w));
+}
+
+/// Of a question without a list of answers 1 counts as the right one.
+void Coach::answered(const Answered& a) {
+  answers_[says_.step] = a.right ? says_.question->right : says_.question->right + 1;
+  says_.answer = a.words, says_.answer_right = a.right, says_.answer_place.reset();
   active_s_ = t_s_;
   tell_state();
 }
@@ -121,6 +138,11 @@ std::string Coach::out_of_order(size_t act) const {
 }
 
 std::string Coach::over_limit(const Command& c) const {
+  if (const auto* bone = std::get_if<HeadCommand>(&c))
+    for (const SafeLimit& l : plan_.limits)
+      if (const auto near = nearest_to_limit_mm(l, *bone); near && *near < l.nearest_mm)
+        return plan_.w("Too near: the cut comes within {:.1f} mm of a safe limit ({}); {:g} mm are kept.", *near,
+                       lower(l.name, plan_.w), l.nearest_mm);
   const auto line = drawn_line(c);
   if (!line) return "";
   for (const SafeLimit& l : plan_.limits) {
@@ -138,6 +160,7 @@ void Coach::judge_newest() {
   const std::string take_back = w("Ctrl+Z takes it back.");
   const size_t newest = standing_.size() - 1;
   const Command& c = standing_[newest].command;
+  if (const auto* bite = std::get_if<SutureBite>(&c)) return new_bites_.push_back(*bite);
   if (const std::string limit = over_limit(c); !limit.empty()) return say(limit + " " + take_back);
   if (const int act = attempt_at(progress_, newest); act >= 0) {
     const std::string order = out_of_order(size_t(act)), off = gentle_word(progress_.act[size_t(act)].offs);
@@ -202,7 +225,7 @@ void Coach::tell_state() {
     for (const SafeLimit& l : plan_.limits)
       if (l.deepest_mm) says_.limit = plan_.w("Never deeper than {:g} mm: {}.", *l.deepest_mm, lower(l.name, plan_.w));
   if (w.question && answers_[says_.step] == 0) says_.question = &*w.question;
-  if (!w.question || answers_[says_.step] == 0) says_.answer.clear();
+  if (!w.question || answers_[says_.step] == 0) says_.answer.clear(), says_.answer_place.reset();
 }
 
 void Coach::follow_stroke(const Snapshot& s, const HandSeen& hand) {
@@ -228,12 +251,66 @@ void Coach::follow_stroke(const Snapshot& s, const HandSeen& hand) {
     says_.stroke = live_rows(plan_, *a, stroke_), says_.stroke_of = a->words;
 }
 
+/// The saw, held near a planned cut of bone or led along it; or a plane through the three places that were picked last.
+void Coach::follow_saw(const Snapshot& s, const HandSeen& hand) {
+  if (mode_ != LessonMode::guided || !plan_.bone || !has_surface(s)) return;
+  constexpr double kPatience_s = 0.3, kOff_mm = 25;
+  const std::vector<size_t> open = progress_.open();
+  const ToolState& t = hand.tool;
+  const bool holds = t.valid && Tool(t.tool) == Tool::saw && !hand.showing;
+  saw_.tip_mm = Vec3(t.tip_mm[0], t.tip_mm[1], t.tip_mm[2]), saw_.shaft = Vec3(t.shaft[0], t.shaft[1], t.shaft[2]);
+  if (!holds || !t.pressed) saw_.sawn_mm.clear(), saw_told_ = false, saw_off_s_ = -1;
+  if (holds) {
+    bone_.another(s);
+    const SkinTouch at = bone_.closest(s, saw_.tip_mm, -1);
+    if (at.triangle < 0 || at.distance_mm > kOff_mm) return;
+    if (t.pressed && at.distance_mm < kReach_mm && saw_.sawn_mm.size() < kMostPoints &&
+        (saw_.sawn_mm.empty() || (saw_.sawn_mm.back() - at.X_mm).norm() > kStep_mm))
+      saw_.sawn_mm.push_back(at.X_mm);
+    const PlannedAct* a = sawn_for(plan_, open, saw_.tip_mm);
+    if (!a) return;
+    const auto& planned = std::get<HeadCommand>(a->command);
+    says_.stroke = saw_rows(plan_, planned, saw_), says_.stroke_of = a->words;
+    const std::string word = t.pressed ? saw_word(planned, saw_.tip_mm, plan_.w) : "";
+    if (word.empty()) saw_off_s_ = -1;
+    if (!word.empty() && saw_off_s_ < 0) saw_off_s_ = t_s_;
+    if (!word.empty() && !saw_told_ && t_s_ - saw_off_s_ >= kPatience_s) saw_told_ = true, say(word);
+    return;
+  }
+  std::vector<std::pair<int, Vec3>> picked;
+  for (size_t i = 0; i < std::min(s.topology->landmark.size(), s.landmark_mm.size()); ++i)
+    if (const int n = picked_number(s.topology->landmark[i])) picked.emplace_back(n, s.landmark_mm[i].cast<double>());
+  if (picked.size() < 3) return;
+  std::sort(picked.begin(), picked.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  const std::array<Vec3, 3> three{picked[0].second, picked[1].second, picked[2].second};
+  if (const PlannedAct* a = sawn_for(plan_, open, (three[0] + three[1] + three[2]) / 3))
+    says_.stroke = plane_rows(std::get<HeadCommand>(a->command), three, plan_.w), says_.stroke_of = a->words;
+}
+
+void Coach::tell_bites(const Snapshot& s) {
+  for (const SutureBite& b : new_bites_) {
+    // Of the thread that it goes on with: what stands since the last knot.
+    std::vector<SutureBite> thread;
+    for (const StandingAct& a : standing_) {
+      if (std::holds_alternative<TieSuture>(a.command)) thread.clear();
+      if (const auto* bite = std::get_if<SutureBite>(&a.command)) thread.push_back(*bite);
+    }
+    const size_t n = thread.size();
+    const BiteWord w = bite_word(s, std::max(1, int(n)), b, n > 1 ? &thread[n - 2] : nullptr,
+                                 n > 2 ? bites_apart_mm(thread[n - 3], thread[n - 2]) : 0, plan_.w);
+    say(w.words, w.praise);
+  }
+  new_bites_.clear();
+}
+
 void Coach::look(const Snapshot& s, const HandSeen& hand) {
   t_s_ = std::max(t_s_, double(s.device_tick) * 1e-3);
-  sutures_ = s.sutures;
+  sutures_ = s.sutures, sewing_ = s.sewn.thread != 0;
   if (hand.tool.pressed || hand.showing || hand.tool.tool != tool_) active_s_ = t_s_;
   tool_ = hand.tool.tool;
   follow_stroke(s, hand);
+  follow_saw(s, hand);
+  tell_bites(s);
   if (t_s_ - word_s_ > (says_.word_is_praise ? kPraise_s : kWord_s)) says_.word.clear();
   says_.hint.clear();
   if (mode_ != LessonMode::guided || says_.step >= plan_.steps.size() || says_.question) return;
@@ -302,6 +379,8 @@ Attempt Coach::present() const {
   count(english("Presses that came to nothing"), missed_, english("Look where the tip is before you press."));
   count(english("Acts that were refused"), refused_, english("Read the reason: it says what is missing."));
   if (shown_acts_ > 0) a.rows.push_back({w("Acts that were shown"), std::to_string(shown_acts_), 0, true, false});
+  if (sewing_)
+    better.emplace_back(2, w("The running stitch is not tied: its knot is made at its last bite (Shift+0)."));
   if (!progress_.stray.empty())
     better.emplace_back(
         3, w.counted(int64_t(progress_.stray.size()), "{} act stands on the patient that the plan does not have.",

@@ -14,7 +14,9 @@
 #include <vector>
 
 #include "app/session/notice.h"
+#include "app/teaching/answers.h"
 #include "app/teaching/progress.h"
+#include "app/teaching/saw_watch.h"
 #include "devices/skin_chart.h"
 #include "devices/tool_event.h"
 
@@ -56,7 +58,9 @@ struct CoachSays {
   std::string hint;                          // since the hand has been still for a while; mostly empty
   const LessonQuestion* question = nullptr;  // not answered yet
   std::string answer;                        // what was right, after it was answered
-  std::string word;                          // the newest word on what was done; empty after a while
+  bool answer_right = false;
+  std::optional<ChartPoint> answer_place;  // where that is, of a place that was asked for
+  std::string word;                        // the newest word on what was done; empty after a while
   bool word_is_praise = false;
   std::vector<LiveRow> stroke;  // while one is drawn
   std::string stroke_of;        // what it is meant to be
@@ -80,6 +84,9 @@ class Coach {
   void look(const Snapshot& patient, const HandSeen& hand);
   /// The number of the answer, from 1. Nothing is asked: nothing happens.
   void answer(int number);
+  /// Of a question about a place (of the chart, at rest), or a number. Another is asked, or none: nothing happens.
+  void answer_place(const ChartPoint& at);
+  void answer_number(double value);
   void set_mode(LessonMode mode);
   /// Keeps this try beside the next; how many acts are to be taken back for it.
   int try_again();
@@ -106,6 +113,9 @@ class Coach {
   void say(const std::string& word, bool praise = false);
   void tell_state();
   void follow_stroke(const Snapshot& patient, const HandSeen& hand);
+  void answered(const Answered& a);
+  void follow_saw(const Snapshot& patient, const HandSeen& hand);
+  void tell_bites(const Snapshot& patient);
   std::string out_of_order(size_t act) const;
   std::string over_limit(const Command& c) const;
 
@@ -122,10 +132,16 @@ class Coach {
   double t_s_ = 0, active_s_ = 0, word_s_ = 0, began_s_ = 0;
   int undone_ = 0, missed_ = 0, refused_ = 0, shown_acts_ = 0;
   std::vector<SutureState> sutures_;
+  bool sewing_ = false;  // a thread is not tied yet
   // The stroke that is being drawn.
   SurfaceIndex skin_{Ground::skin};
   int32_t touched_ = -1;
   LiveStroke stroke_;
+  SurfaceIndex bone_{Ground::bone};
+  SawSeen saw_;
+  double saw_off_s_ = -1;              // since when the saw has been off; less than 0: it is not
+  bool saw_told_ = false;              // of this stroke
+  std::vector<SutureBite> new_bites_;  // to be told of when the patient is seen
   bool pressed_ = false;
   int32_t tool_ = 0;
 };

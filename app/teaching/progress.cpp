@@ -27,13 +27,20 @@ int hook_of(const Command& c) {
 
 double worst(const Offs& offs) { return offs.empty() ? 0 : offs.front().share(); }
 
+/// A single stitch, or a bite of a thread that is sewn bite after bite.
+std::optional<Suture> stitch_of(const Command& c) {
+  if (const auto* one = std::get_if<Suture>(&c)) return *one;
+  if (const auto* bite = std::get_if<SutureBite>(&c)) return Suture{bite->a, bite->b};
+  return std::nullopt;
+}
+
 /// Whether single stitches do what a planned row does; those that do are marked as used.
 bool sewn_singly(const SutureRow& row, const std::vector<StandingAct>& standing, std::vector<char>& used,
                  ActProgress& p) {
   constexpr double kBeside_mm = 5, kEnough = 0.6;
   std::vector<size_t> found;
   for (size_t s = 0; s < standing.size(); ++s) {
-    const auto* one = std::get_if<Suture>(&standing[s].command);
+    const auto one = stitch_of(standing[s].command);
     if (!one || used[s]) continue;
     const auto far = [&](const ChartPoint& a, const ChartPoint& b) {
       return std::max(distance_to_line(row.a, false, a), distance_to_line(row.b, false, b));
@@ -45,6 +52,20 @@ bool sewn_singly(const SutureRow& row, const std::vector<StandingAct>& standing,
   p.state = ActProgress::done, p.by = found.back();
   for (const size_t s : found) used[s] = 1, p.shown |= standing[s].shown;
   return true;
+}
+
+/// A stitch on the way along a planned row that is not done yet: it is no stray.
+bool on_the_way(const LessonPlan& plan, const PlanProgress& p, const Command& c) {
+  constexpr double kBeside_mm = 5;
+  const auto one = stitch_of(c);
+  for (size_t i = 0; one && i < plan.acts.size(); ++i)
+    if (const auto* row = std::get_if<SutureRow>(&plan.acts[i].command); row && p.act[i].state == ActProgress::open) {
+      const auto far = [&](const ChartPoint& a, const ChartPoint& b) {
+        return std::max(distance_to_line(row->a, false, a), distance_to_line(row->b, false, b));
+      };
+      if (std::min(far(one->a, one->b), far(one->b, one->a)) < kBeside_mm) return true;
+    }
+  return false;
 }
 
 /// A turn and a shift of the chart.
@@ -142,7 +163,7 @@ PlanProgress progress_of(const LessonPlan& plan, const std::vector<StandingAct>&
     const bool of_bone = h && (std::holds_alternative<CutBone>(*h) || std::holds_alternative<CutBoneByBlade>(*h) ||
                                std::holds_alternative<MoveFragment>(*h));
     const bool of_skin = cuts_skin(standing[s].command) || sews(standing[s].command);
-    if (!used[s] && (of_bone || of_skin)) p.stray.push_back(s);
+    if (!used[s] && (of_bone || of_skin) && !on_the_way(plan, p, standing[s].command)) p.stray.push_back(s);
   }
   return p;
 }

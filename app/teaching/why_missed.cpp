@@ -56,6 +56,10 @@ std::string why_missed(const MissedPress& m, const Snapshot& s, const Words& w) 
       return w(
           "There is neither a stitch nor an edge of the wound here. Scissors cut threads, and tissue from an edge: "
           "make the first cut with the scalpel.");
+    case MissedPress::no_thread:
+      return s.sewn.thread == 0
+                 ? w("No running stitch is begun: set its first bite, and tie it behind its last one.")
+                 : w("The knot is tied at the last bite of the thread, where it leaves the skin: press beside that.");
     case MissedPress::control:
       return w("This patient does not understand what was asked for.");
     default:

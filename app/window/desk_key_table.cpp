@@ -169,7 +169,7 @@ const std::vector<DeskKey>& Desk::keys() {
        {'K'},
        false,
        HandKey::none,
-       [](Desk& d, uint32_t) { d.state.head.pick = d.facts_.head; },
+       [](Desk& d, uint32_t) { d.state.head.pick = d.facts_.head || d.state.lesson.place; },
        english("Tools"),
        english("Pick a place")},
       {english("C"),

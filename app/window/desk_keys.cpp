@@ -31,14 +31,16 @@ std::vector<ToolSlider> tool_sliders(Tool tool, double max_depth_mm, const Words
   static constexpr float kDeepestBite_mm = 4;
   std::vector<ToolSlider> sliders;
   const DeskTool& t = *desk_tool(tool);
-  const bool bites = sews_bites(tool);
+  const bool bites = sews_bites(tool) || tool == Tool::suture_row_buried;
   const std::tuple<std::string_view, const char*, float HandChoice::*> settings[] = {
       {"depth_mm", kDepth, bites ? &HandChoice::bite_mm : &HandChoice::depth_mm},
       {"angle_deg", kAngle, &HandChoice::angle_deg},
       {"spacing_mm", kSpacing, &HandChoice::spacing_mm}};
   for (const auto& [key, name, value] : settings)
     for (const ActionField& f : t.action[0] ? action_fields(t.action) : std::vector<ActionField>()) {
-      if (f.field.key != key || (tool == Tool::scissors && key == "angle_deg")) continue;
+      if (f.field.key != key || (tool == Tool::scissors && key == "angle_deg") ||
+          (!bites && sews_along(tool) && key == "depth_mm"))
+        continue;
       const bool bite = value == &HandChoice::bite_mm;
       if (!bite && f.field.usual_to <= 0) continue;
       double to = value == &HandChoice::depth_mm ? std::min(max_depth_mm, f.field.to) : f.field.usual_to;
@@ -53,9 +55,9 @@ ControlSample control_of(const HandChoice& h) {
   ControlSample c;
   c.kind = ControlSample::select_tool;
   c.tool = h.tool;
-  c.value[kDepth] = h.tool == Tool::suture || sews_along(h.tool) ? 0
-                    : sews_bites(h.tool)                         ? double(h.bite_mm)
-                                                                 : double(h.depth_mm);
+  const bool buried =
+      h.tool == Tool::suture_buried || h.tool == Tool::suture_corner || h.tool == Tool::suture_row_buried;
+  c.value[kDepth] = buried ? double(h.bite_mm) : sews_bites(h.tool) || sews_along(h.tool) ? 0 : double(h.depth_mm);
   c.value[kAngle] = double(h.angle_deg);
   c.value[kSpacing] = double(h.spacing_mm);
   return c;

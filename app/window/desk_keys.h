@@ -22,7 +22,7 @@ struct DeskTool {
   const char* help = "";    // what the hand does
   const char* action = "";  // what comes of it, as the table of acts has it; empty: no sliders
 };
-inline constexpr std::array<DeskTool, 16> kDeskTools{
+inline constexpr std::array<DeskTool, 20> kDeskTools{
     {{Tool::none, '1', false, english("Look around"), english("The left button turns the view.")},
      {Tool::marker, '1', true, english("Marker pen"),
       english("Draw on the skin; the line is measured and goes with the skin.")},
@@ -39,12 +39,20 @@ inline constexpr std::array<DeskTool, 16> kDeskTools{
      {Tool::suture, '6', false, english("Stitch"), english("Press beside one edge, let go beside the other.")},
      {Tool::suture_buried, '6', true, english("Buried stitch"),
       english("The same; the bites lie in the walls of the wound."), "suture"},
-     {Tool::suture_row, '7', false, english("Row of stitches"), english("Draw along one edge, then along the other."),
-      "suture_row"},
-     {Tool::suture_running, '7', true, english("Running stitch"),
-      english("Draw along one edge, then along the other: one thread."), "suture_row"},
+     {Tool::suture_deep, '4', true, english("Deep stitch"),
+      english("Press and let go on skin or on a cut face: a flap's underside, its bed, a wall of the wound.")},
      {Tool::suture_corner, '8', true, english("Corner stitch"),
       english("Press on one bank, let go in the flap's tip, then press on the other bank."), "suture_corner"},
+     {Tool::suture_row, '7', false, english("Row of stitches"), english("Draw along one edge, then along the other."),
+      "suture_row"},
+     {Tool::suture_row_buried, '3', true, english("Buried row"),
+      english("Draw along one edge, then along the other: the bites lie in the walls of the wound."), "suture_row"},
+     {Tool::suture_running, '7', true, english("Running stitch"),
+      english("Draw along one edge, then along the other: one thread."), "suture_row"},
+     {Tool::suture_bites, '9', true, english("Running, by bites"),
+      english("Press beside one edge, let go beside the other: one bite of a thread. The next one goes on with it.")},
+     {Tool::suture_knot, '0', true, english("Knot"),
+      english("Press beside the last bite of the running stitch: it is tied there.")},
      {Tool::saw, '8', false, english("Saw"), english("Draw once round on the bone.")},
      {Tool::grab, '9', false, english("Grab"), english("Press on a piece of bone and carry it.")},
      {Tool::scissors, '0', false, english("Scissors"),

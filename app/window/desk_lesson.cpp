@@ -92,6 +92,7 @@ float DeskLesson::next_step(const Coach& c, float x, float y, float width, float
       text(w("Before you go on:"));
       ImGui::SameLine();
       ImGui::TextWrapped("%s", says.question->ask.c_str());
+      asked(*says.question, w);
       for (size_t i = 0; i < says.question->answers.size(); ++i) {
         ImGui::PushID(int(i));
         if (ImGui::Button(fmt::format("{}", char('a' + int(i))).c_str(), {22, 0})) answer = int(i) + 1;
@@ -101,7 +102,8 @@ float DeskLesson::next_step(const Coach& c, float x, float y, float width, float
       }
       text(ink::quiet(), w("Then: {}", says.say));
     } else {
-      if (!says.answer.empty()) ImGui::TextColored(ink::good(), "%s", says.answer.c_str());
+      if (!says.answer.empty())
+        ImGui::TextColored(says.answer_right ? ink::good() : ink::warn(), "%s", says.answer.c_str());
       ImGui::TextUnformatted(says.say.c_str());
       if (!says.why.empty()) text(ink::quiet(), w("Why: {}", says.why));
       if (t.acts > 1 && says.act != says.say) text(ink::plain(), w("Now: {}.", says.act));

@@ -13,6 +13,8 @@ struct DeskLesson {
   // Asked for in this frame:
   bool again = false;              // another try
   int answer = 0;                  // the number of an answer
+  std::optional<double> number;    // an answer that is a number
+  bool place = false;              // the place under the mouse is the answer
   std::optional<LessonMode> mode;  // another one
 
   /// In the panel beside the patient. `next`, `clean`, `summary`: set where a button asks for it.
@@ -24,6 +26,11 @@ struct DeskLesson {
   void stroke(const Coach& coach, float x, float w, float bottom);
   /// How it went: each try a column; three things to do better.
   void summary(const Coach& coach, int width, int height, bool& open, std::vector<FrameRect>& covered);
+
+ private:
+  /// What is asked, by a place or a number (desk_question.cpp).
+  void asked(const LessonQuestion& question, const Words& words);
+  float number_typed_ = 0;
 };
 
 }  // namespace limberg

@@ -15,6 +15,7 @@ namespace {
 struct Card {
   const char *title, *words;
   FrameRect DeskLayout::*panel;
+  const char* ask = "";  // done, the tour goes on
 };
 constexpr Card kCard[DeskTour::kCards] = {
     {english("The patient"),
@@ -22,23 +23,23 @@ constexpr Card kCard[DeskTour::kCards] = {
              "arrows "
              "lead "
              "the tool, Enter presses and lets go, Ctrl+arrows turn the view."),
-     &DeskLayout::stage},
+     &DeskLayout::stage, english("Try it: turn the view.")},
     {english("Tools"),
      english("Choose one here or by its number, and use it with the left button. Rest the mouse on a tool: it says "
              "what the "
              "hand "
              "does. Depth, angle and spacing stand below."),
-     &DeskLayout::tools},
+     &DeskLayout::tools, english("Try it: choose the scalpel, 2.")},
     {english("What to do"),
      english("The lesson's steps, with what was off. N shows the next act. Below stand stitches with their forces, "
              "hooks, and "
              "all "
              "that was done."),
-     &DeskLayout::patient},
+     &DeskLayout::patient, english("Try it: let the first act be shown, N.")},
     {english("Back and forth"),
      english("Ctrl+Z takes an act back, Ctrl+Y does it again. U shows every act with its picture: click on one to go "
              "there."),
-     &DeskLayout::stage},
+     &DeskLayout::stage, english("Try it: take it back, Ctrl+Z.")},
     {english("How the session runs"),
      english("How fast hand, patient and pictures are, and whether the tissue has come to rest: measure when it has."),
      &DeskLayout::lanes},
@@ -47,9 +48,20 @@ constexpr Card kCard[DeskTour::kCards] = {
          "The menus hold every choice with its key; F1 lists the keys. Larger letters and colours for a projector are "
          "under "
          "View. This tour is under Help."),
-     &DeskLayout::menu}};
+     &DeskLayout::menu, english("Try it: open the list of keys, F1.")}};
 
 }  // namespace
+
+bool DeskTour::see(const TourSeen& seen) {
+  if (!open()) return false;
+  const bool done[kCards] = {seen.turned, seen.chose, seen.acted, seen.took_back, false, seen.looked_up};
+  if (praise_ > 0) {
+    if (--praise_ == 0) next();
+  } else if (done[card_ - 1]) {
+    praise_ = kPraiseFrames;
+  }
+  return praise_ > 0;
+}
 
 void DeskTour::draw(const DeskLayout& l, std::vector<FrameRect>& covered, const Words& w) {
   if (!open()) return;
@@ -67,6 +79,7 @@ void DeskTour::draw(const DeskLayout& l, std::vector<FrameRect>& covered, const 
   text(ink::quiet(), w("A tour of one minute, {} of {}", card_, int(kCards)));
   text(ink::hint(), w(c.title));
   wrapped(w(c.words));
+  if (*c.ask) text(praises() ? ink::good() : ink::warn(), praises() ? w("Done.") : w(c.ask));
   ImGui::Spacing();
   if (button(w, "Skip  Esc")) end();
   ImGui::SameLine();

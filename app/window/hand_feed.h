@@ -52,6 +52,7 @@ struct FrameSeen {
   size_t panels = 0;
   bool popup = false;   // a list is open: the next click is its, wherever it goes
   bool typing = false;  // a text field has the keys
+  bool tour = false;    // the tour is open: Enter and Esc are its
   bool on_panel(float x, float y) const {
     for (size_t i = 0; i < panels; ++i)
       if (panel[i].holds(x, y)) return true;

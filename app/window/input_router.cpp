@@ -16,6 +16,7 @@ bool InputRouter::lead(const WindowEvent& key) {
   const FrameSeen& seen = feed_.seen.reading();
   const DeskKey* k = key.kind == WindowEvent::key ? desk_key(key.code, key.mods) : nullptr;
   if (!k || (k->hand != HandKey::lead && k->hand != HandKey::press) || seen.typing || seen.popup) return false;
+  if (seen.tour && k->hand == HandKey::press) return false;
   if (!key.down) return true;
   WindowEvent e;
   e.by_keys = true;
@@ -119,8 +120,9 @@ void InputRouter::decide(Happened& h) {
       point(h);
       break;
     case WindowEvent::key: {
-      const DeskKey* k = desk_key(e.code, e.mods);
-      e.for_panels = now.typing;
+      const bool of_tour = now.tour && (e.code == WindowEvent::enter || e.code == WindowEvent::escape);
+      const DeskKey* k = of_tour ? nullptr : desk_key(e.code, e.mods);
+      e.for_panels = now.typing || of_tour;
       if (k && k->hand == HandKey::clutch && !e.down)
         key(*k, e);  // let go, whoever has the keys
       else if (k && k->hand != HandKey::none && !now.typing)

@@ -133,6 +133,7 @@ void PlanSheet::act(const Coach& coach, size_t i, const Snapshot& s) {
       ring((at.x_mm + 0.3 * at.normal).cast<float>(), 1.1f, kSew);
   };
   if (const auto* k = std::get_if<Suture>(&c)) dot(k->a), dot(k->b);
+  if (const auto* k = std::get_if<SutureBite>(&c)) dot(k->a), dot(k->b);
   if (const auto* k = std::get_if<SutureRow>(&c)) {
     pen(s, k->a, false, kSew, kThick_mm, false), pen(s, k->b, false, kSew, kThick_mm, false);
     dot(k->a.front()), dot(k->b.front());
@@ -151,7 +152,17 @@ void PlanSheet::draw(const Coach& coach, const Snapshot& s) {
     if (coach.progress().act[i].state == ActProgress::open &&
         (skin || std::holds_alternative<HeadCommand>(plan.acts[i].command)))
       act(coach, i, s);
+  for (const SafeLimit& l : plan.limits) {
+    if (l.bone_line.empty()) continue;
+    std::vector<Vec3f> path;
+    for (const Vec3& p : l.bone_line) path.push_back(p.cast<float>());
+    add_tube(props_, path, std::vector<float>(path.size(), 0.7f), {kLimit, 0, 0}, 6);
+    letters_.push_back({path[path.size() / 2], l.name, true});
+  }
   if (!skin) return;
+  if (const auto& at = coach.says().answer_place)
+    if (const SkinTouch t = chart_.at(s, *at, 2.5); t.triangle >= 0)
+      ring((t.x_mm + 0.3 * t.normal).cast<float>(), 2.5f, kSew);
   if (!coach.earlier().empty())
     for (const DrawnLine& l : coach.earlier().back().cuts) pen(s, l.path, l.closed, kEarlier, kThin_mm, false);
   for (const SafeLimit& l : plan.limits) {

@@ -38,6 +38,7 @@ constexpr double kFrameBudget_ms = 22;  // two thirds of the frame's period: the
 constexpr int kStillCalls = 10;         // a third of a second without a change: the picture may be drawn at leisure
 constexpr int kStillLevel = kLiveLevels - 1;
 constexpr float kClearTool_mm = 14;  // so far above its tip a tool begins to be seen through
+constexpr float kClick_px = 4;       // a press that moves by less turns nothing
 constexpr int kRefreshFrames = 15;   // the figures on the panels move twice a second even when nothing else does
 
 }  // namespace
@@ -54,7 +55,10 @@ struct WindowFrames::Impl {
   PlanSheet sheet;
   PenSheet pen;
   ActHistory acts;
-  DeskMemory remembered;  // as it stands in the file
+  DeskMemory remembered;              // as it stands in the file
+  Vec3f toured_view = Vec3f::Zero();  // when the tour looked last: the eye, the tool, how many acts stood
+  Tool toured_tool = Tool::none;
+  size_t toured_acts = 0;
   DeskColours colours = DeskColours::dark;
   bool by_keys = false;                 // keys have led the tool last
   size_t staged = 0;                    // steps of the lesson whose stage was told
@@ -74,7 +78,8 @@ struct WindowFrames::Impl {
   ImGuiContext* panels = nullptr;
   std::deque<WindowEvent> waiting;
   float x = 0, y = 0;  // the mouse, pixels
-  float scale = 1;     // pixels for one unit of the panels
+  float press_x = 0, press_y = 0;
+  float scale = 1;  // pixels for one unit of the panels
   bool buttons[3]{};
   bool turning = false, shifting = false;
   uint64_t taken = 0;  // number of the last event
@@ -136,6 +141,9 @@ struct WindowFrames::Impl {
   /// skin.
   double eyes_apart_mm() const { return double((camera.eye_mm - camera.target_mm).norm()) / 30; }
 
+  /// The lesson asks for a place on the skin.
+  bool place_asked() const { return coach && coach->says().question && coach->says().question->place; }
+
   bool drag_turns(const WindowEvent& e) const {
     return (e.code == 1 && !(e.mods & WindowEvent::shift)) ||
            (e.code == 0 && desk.state.tool == Tool::none && !desk.state.ruler && !feed.showing);
@@ -157,8 +165,11 @@ struct WindowFrames::Impl {
         io.MouseDown[e.code] = e.down;
         // A press beside the panels ends typing and touches none of them, wherever they have moved since it was made.
         io.MousePos = e.down && !e.for_panels ? ImVec2(-FLT_MAX, -FLT_MAX) : ImVec2(x / scale, y / scale);
+        if (!e.down && e.code == 0 && turning && place_asked() && std::hypot(x - press_x, y - press_y) < kClick_px)
+          desk.state.head.pick = true;
         if (!e.down) turning = shifting = false;
         if (!e.down || e.for_panels) break;
+        press_x = x, press_y = y;
         if (drag_turns(e))
           turning = true;
         else if (e.code == 2 || e.code == 1)
@@ -272,6 +283,7 @@ struct WindowFrames::Impl {
     DeskState& d = desk.state;
     if (d.lesson.mode) coach->set_mode(*d.lesson.mode);
     if (d.lesson.answer > 0) coach->answer(d.lesson.answer);
+    if (d.lesson.number) coach->answer_number(*d.lesson.number);
     if ((d.next || d.next_clean) && !feed.showing) {
       const Showing show = coach->showing(d.next_clean);
       if (show.acts.empty())
@@ -285,7 +297,8 @@ struct WindowFrames::Impl {
       if (const int undos = coach->try_again(); undos > 0) feed.answers.push(ShowActs{undos, nullptr});
       staged = 0, d.summary = false;
     }
-    d.lesson.again = false, d.lesson.answer = 0, d.lesson.mode.reset();
+    d.lesson.again = false, d.lesson.answer = 0, d.lesson.mode.reset(), d.lesson.number.reset();
+    d.lesson.place = place_asked();
     // Stages of the session are those of the lesson.
     const auto& steps = coach->says().steps;
     for (; staged < std::min(coach->says().step, steps.size()); ++staged) {
@@ -307,8 +320,9 @@ struct WindowFrames::Impl {
       f.panel[i] = {r.x0 * scale, r.y0 * scale, r.x1 * scale, r.y1 * scale};
     }
     f.popup = desk.popup();
-    f.typing = (ImGui::GetIO().WantTextInput && ImGui::IsAnyItemActive()) ||
-               desk.state.keys != DeskState::Keys::patient || desk.state.tour.open();
+    f.typing =
+        (ImGui::GetIO().WantTextInput && ImGui::IsAnyItemActive()) || desk.state.keys != DeskState::Keys::patient;
+    f.tour = desk.state.tour.open();
     feed.seen.publish();
     feed.answered.store(taken, std::memory_order_release);
   }
@@ -527,12 +541,30 @@ struct WindowFrames::Impl {
     ImGui::Render();
   }
 
+  /// The answer to where something will be: the skin under the mouse, else under the tip of a stylus.
+  void point_at(const Snapshot& s, const View& view, int width, int height) {
+    constexpr double kTip_mm = 8;
+    std::optional<ChartPoint> at;
+    RayHit hit;
+    if (!ImGui::GetIO().WantCaptureMouse) hit = cast_ray(s, view.eye_mm, view.ray_through(x, y, width, height));
+    if (hit.triangle >= 0 && s.topology->is_ground(size_t(hit.triangle), Ground::skin))
+      at = touch_at(s, hit.triangle, {double(hit.bary[0]), double(hit.bary[1]), double(hit.bary[2])}, 0).chart;
+    else if (set.facts.own_device && hand.valid && has_surface(s))
+      if (const SkinTouch t =
+              SurfaceIndex(Ground::skin).closest(s, Vec3(hand.tip_mm[0], hand.tip_mm[1], hand.tip_mm[2]), -1);
+          t.triangle >= 0 && t.distance_mm < kTip_mm)
+        at = t.chart;
+    if (!at) return desk.say("point at a place on the skin");
+    coach->answer_place(*at);
+  }
+
   /// Asked for by a key, and done once the panels know where the mouse is.
   void pick(const Snapshot& s, const View& view, int width, int height) {
     if (!desk.state.head.pick) return;
     desk.state.head.pick = false;
     constexpr int kHidden = 2;
     RayHit hit;
+    if (place_asked()) return point_at(s, view, width, height);
     if (!ImGui::GetIO().WantCaptureMouse)
       hit = cast_ray(s, view.eye_mm, view.ray_through(x, y, width, height), desk.state.face == kHidden);
     if (hit.triangle < 0 && !set.facts.own_device)
@@ -590,6 +622,23 @@ struct WindowFrames::Impl {
     set.headset->tablet.show(std::make_shared<const Image>(renderer->read()));
   }
 
+  /// What the tour has asked for was done, by whichever hand.
+  void tour() {
+    DeskTour& t = desk.state.tour;
+    if (!t.open()) return;
+    const size_t standing = acts.standing();
+    TourSeen seen;
+    seen.turned = !turning && !shifting && toured_view != Vec3f::Zero() && (camera.eye_mm - toured_view).norm() > 1;
+    const Tool has = set.facts.own_device ? Tool(hand.tool) : desk.state.tool;
+    seen.chose = has != toured_tool && has != Tool::none;
+    seen.acted = feed.showing || standing > toured_acts;
+    seen.took_back = standing < toured_acts || desk.state.history;
+    seen.looked_up = desk.state.help || desk.popup();
+    if (!turning && !shifting) toured_view = camera.eye_mm;
+    toured_tool = has, toured_acts = standing;
+    if (t.see(seen)) unseen = 2;
+  }
+
   void frame(const Snapshot& s, const ToolState& tool, Screen& screen) {
     const int width = screen.width, height = screen.height;
     ImGui::SetCurrentContext(panels);
@@ -613,6 +662,7 @@ struct WindowFrames::Impl {
     const View view = look(width, height);
     const RenderScene& scene = build_scene(s, tool);
     count_rates();
+    tour();
     draw_panels(s, view, width, height);
     pick(s, view, width, height);
     carry_out();
@@ -675,6 +725,8 @@ void WindowFrames::missed(const MissedPress& press, const Snapshot& snapshot) {
     impl_->desk.say(why_missed(press, snapshot, impl_->w));
   impl_->unseen = 2;
 }
+
+int WindowFrames::tour_card() const { return impl_->desk.state.tour.card(); }
 
 const Coach* WindowFrames::coach() const { return impl_->coach ? &*impl_->coach : nullptr; }
 

@@ -54,6 +54,8 @@ class WindowFrames final : public PictureSink {
   int64_t patient_drawn() const;
   /// Null: there is no lesson.
   const Coach* coach() const;
+  /// Of the tour, from 1; 0: it is not open. For tests.
+  int tour_card() const;
 
  private:
   struct Impl;

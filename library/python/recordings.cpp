@@ -20,9 +20,26 @@ using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Bits = py::array_t<uint32_t, py::array::c_style | py::array::forcecast>;
 
 const char* tool_name(Tool t) {
-  static const char* const kNames[] = {
-      "none", "scalpel", "undermine",     "excise",        "hook",           "suture",   "suture_row", "scissors",
-      "saw",  "grab",    "suture_buried", "suture_corner", "suture_running", "hook_out", "marker",     "swab"};
+  static const char* const kNames[] = {"none",
+                                       "scalpel",
+                                       "undermine",
+                                       "excise",
+                                       "hook",
+                                       "suture",
+                                       "suture_row",
+                                       "scissors",
+                                       "saw",
+                                       "grab",
+                                       "suture_buried",
+                                       "suture_corner",
+                                       "suture_running",
+                                       "hook_out",
+                                       "marker",
+                                       "swab",
+                                       "suture_bites",
+                                       "suture_knot",
+                                       "suture_row_buried",
+                                       "suture_deep"};
   return kNames[std::clamp(int(t), 0, int(kLastTool))];
 }
 

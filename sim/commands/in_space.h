@@ -10,7 +10,7 @@
 namespace limberg {
 
 using SkinAct = std::variant<Incise, Undermine, Excise, ExcisePiece, SetHook, Suture, SutureRow, SutureCorner,
-                             SutureBetween, CutSuture>;
+                             SutureBetween, CutSuture, SutureBite>;
 
 /// Of every place of the act, in the order of its fields, x and y stand in the act and z here.
 struct InSpace {

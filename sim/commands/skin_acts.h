@@ -90,6 +90,19 @@ struct SutureCorner {
   ChartPoint tip{0, 0}, a{0, 0}, b{0, 0};
   double depth_mm = 1;
 };
+/// One bite of a thread that is sewn on: in beside one edge, out beside the other. The first begins the thread with a
+/// knot; each further one draws what lies behind it tight. There is one such thread at a time. How far from its edge a
+/// bite lies is how much of the skin it holds (kFarthest_mm at most).
+struct SutureBite {
+  static constexpr double kFarthest_mm = 6;
+  ChartPoint a{0, 0}, b{0, 0};
+  double depth_mm = 0;
+  HeldSide side_a = HeldSide::skin, side_b = HeldSide::skin;
+};
+/// The thread that is sewn on is tied behind its last bite, and its needle is free for another.
+struct TieSuture {
+  double slack_mm = 0;
+};
 /// A stitch by its number, or (id 0) the one nearest to a place on the skin.
 struct StitchPick {
   int id = 0;

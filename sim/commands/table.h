@@ -350,6 +350,43 @@ struct Act<SutureCorner> {
 };
 
 template <>
+struct Act<SutureBite> {
+  static constexpr const char* name = "suture_bite";
+  static constexpr const char* noun = "sutures";
+  static constexpr Needs needs = Needs::skin;
+  static constexpr bool sews = true, looks_back = true;
+  static constexpr const char* help =
+      "One bite of a running suture that is sewn bite after bite: the first ties the thread on, each further one goes "
+      "on "
+      "with it, \"suture_tie\" ends it.";
+  static constexpr const char* example = R"({"action":"suture_bite","a":[0,-2],"b":[0,2]})";
+  static void fields(auto& v, auto& c) {
+    v(Field::given("a", "where the needle goes in, beside one edge: so far from it (6 mm at most) skin is held"), c.a);
+    v(Field::given("b", "where it comes out, beside the other edge"), c.b);
+    v(row::kBite_mm, c.depth_mm);
+    v(Field::choice("surface_a", kHeldSides, kHeldSides, row::kSideHelp, Stands::if_other), c.side_a);
+    v(Field::choice("surface_b", kHeldSides, kHeldSides, "the same at b", Stands::if_other), c.side_b);
+  }
+  static std::string words(const SutureBite&) { return "bite of a running suture"; }
+  static Deed deed(const SutureBite&) { return {"", "One bite of a running suture", " bites of a running suture"}; }
+};
+
+template <>
+struct Act<TieSuture> {
+  static constexpr const char* name = "suture_tie";
+  static constexpr Needs needs = Needs::skin;
+  static constexpr bool looks_back = true;
+  static constexpr const char* help = "The thread that is sewn bite after bite is tied behind its last bite.";
+  static constexpr const char* example = R"({"action":"suture_tie"})";
+  static void fields(auto& v, auto& c) {
+    v(Field::number("slack_mm", 0, 1000, "so much of the thread is left over when it is tied", Stands::if_other),
+      c.slack_mm);
+  }
+  static std::string words(const TieSuture&) { return "running suture tied"; }
+  static Deed deed(const TieSuture&) { return {"", "One running suture tied", " running sutures tied"}; }
+};
+
+template <>
 struct Act<SutureBetween> {
   static constexpr const char* name = "suture_between";
   static constexpr const char* noun = "sutures";

@@ -17,7 +17,8 @@ constexpr double kInside = 0.05;
 constexpr double kCarrySlack_mm = 1e-3;
 // A buried bite lies this near to the rim that it belongs to: a blade at 45 degrees and half as much again.
 constexpr double kBuriedReach = 1.5;
-constexpr double kFaces = 0.3;  // cosine: a cut face that lies along the skin rather than across it
+constexpr double kOneWall_mm = 0.01;  // a place is in a wall's tissue when it lies so deep behind it
+constexpr double kFaces = 0.3;        // cosine: a cut face that lies along the skin rather than across it
 
 Vec3 corner(const SurfaceView& v, size_t t, size_t k) { return v.X_mm[size_t(v.tri[t][k])]; }
 Vec3 normal_of(const SurfaceView& v, size_t t) {
@@ -97,7 +98,7 @@ std::optional<Anchor> make_wall_anchor(const SurfaceView& view, const RestIndex&
                                        HeldSide side) {
   const Vec3 up = skin.frame(X).normal;
   std::optional<Anchor> found;
-  double best = kWallReach_mm * kWallReach_mm;
+  double best = kWallReach_mm * kWallReach_mm, behind_mm = 0;
   for (size_t t = 0; t < view.tri.size(); ++t) {
     if (view.kind[t] != FaceKind::wall) continue;
     const Vec3 n = normal_of(view, t);
@@ -107,8 +108,10 @@ std::optional<Anchor> make_wall_anchor(const SurfaceView& view, const RestIndex&
     const SurfacePoint p{int32_t(t), index.weights(int32_t(t), X)};
     const Vec3 at = index.rest_mm(p);
     const double d2 = (at - X).squaredNorm();
-    if (d2 > best || (found && d2 == best)) continue;
-    best = d2;
+    // The two walls of a cut lie in one place at rest: the one is meant whose tissue the place lies in.
+    const bool same = found && std::abs(d2 - best) <= 1e-9 * (1 + best);
+    if (same ? !(behind_mm >= -kOneWall_mm && (X - at).dot(n.normalized()) < -kOneWall_mm) : d2 > best) continue;
+    best = d2, behind_mm = (X - at).dot(n.normalized());
     found = make_anchor(view, index, p);
     found->wall_normal = n.normalized();
   }

@@ -56,6 +56,7 @@ struct Thread {
   double slack_mm = 0;   // given back once it is closed
   bool corner = false;   // closed when it runs straight; else when the edges meet at every stitch of it
   bool closing = true;
+  bool open = false;  // the needle is on it: it is sewn bite after bite, and not tied yet
 };
 
 /// A load of the scene on the patch of skin around its anchor.

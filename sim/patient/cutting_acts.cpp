@@ -4,6 +4,7 @@
 #include "sim/base/hash.h"
 #include "sim/cutting/arrangement/fault.h"
 #include "sim/cutting/strokes/blade_build.h"
+#include "sim/cutting/strokes/blade_parts.h"
 #include "sim/patient/open_stroke.h"
 #include "sim/patient/soft_tissue.h"
 
@@ -78,7 +79,8 @@ Acted<TissueChange> SoftTissue::cut(const Undermine& c) {
 }
 
 Acted<TissueChange> SoftTissue::cut(const Excise& c) {
-  const auto inside = interior_point(c.outline);
+  const std::vector<ChartPoint> outline = closed_outline(c.outline);
+  const auto inside = interior_point(outline);
   if (!inside)
     return {false, "the outline encloses nothing; a closed outline around the tissue to remove was expected"};
   std::string reason;
@@ -94,7 +96,7 @@ Acted<TissueChange> SoftTissue::cut(const Excise& c) {
     return finish(cut);
   }
   // The walls, as far as they are not there yet; then what they and earlier cuts have freed.
-  std::vector<ChartPoint> ring = c.outline;
+  std::vector<ChartPoint> ring = outline;
   ring.push_back(ring.front());
   const CutResult made = cut_stroke(cut, ring, c.depth_mm, 90, false);
   if (made.status == CutResult::refused) return {false, made.reason};

@@ -69,6 +69,13 @@ struct SutureState {
   float tied_N = -1, peak_N = 0;
 };
 
+/// The thread that is sewn bite after bite and not tied yet.
+struct SewnThread {
+  int32_t thread = 0;  // its number; 0: there is none
+  int32_t bites = 0;
+  Vec3f end_mm = Vec3f::Zero();  // where its last bite came out, now
+};
+
 /// A number that is shown while it changes: a distance, an angle, a gap.
 struct LiveFigure {
   std::string name;
@@ -90,6 +97,7 @@ struct Snapshot {
   std::vector<LiveFigure> figures;
   std::vector<HookState> hooks;
   std::vector<SutureState> sutures;
+  SewnThread sewn;
   float residual = 0, distance_mm = 0;
   int32_t stage = -1;  // number of stages passed
 };

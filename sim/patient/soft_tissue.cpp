@@ -53,7 +53,8 @@ Acted<TissueChange> SoftTissue::carry_out_act(const Command& command) {
         std::is_same_v<Act, SetHook> || std::is_same_v<Act, MoveHook> || std::is_same_v<Act, ReleaseHook>;
     constexpr bool is_suture = std::is_same_v<Act, Suture> || std::is_same_v<Act, SutureRow> ||
                                std::is_same_v<Act, SutureCorner> || std::is_same_v<Act, SutureBetween> ||
-                               std::is_same_v<Act, CutSuture>;
+                               std::is_same_v<Act, CutSuture> || std::is_same_v<Act, SutureBite> ||
+                               std::is_same_v<Act, TieSuture>;
     constexpr bool is_cut = std::is_same_v<Act, Incise> || std::is_same_v<Act, InciseMore> ||
                             std::is_same_v<Act, Undermine> || std::is_same_v<Act, Excise> ||
                             std::is_same_v<Act, ExcisePiece> || std::is_same_v<Act, CutThrough>;
@@ -155,6 +156,7 @@ std::optional<double> SoftTissue::closure_energy_uJ() const {
 
 void SoftTissue::fill(Snapshot& snapshot, bool with_field) const {
   publisher_.fill(tissue_, holding_, figures_.last, snapshot, with_field);
+  snapshot.sewn = sutures_.sewn().value_or(SewnThread{});
 }
 
 PressAnswer SoftTissue::press(const PressQuestion& question, int iterations) {

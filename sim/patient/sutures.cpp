@@ -17,6 +17,9 @@ constexpr int kMostStitches = 500;     // of one row
 constexpr double kMet_mm = 0.2;        // edges nearer than this have met
 constexpr double kTear_N = 5.9;        // knot-pull strength of USP 4-0: no thread is drawn harder
 
+constexpr double kLeastBite_mm = 0.5;  // a needle that goes in nearer to the edge than this tears out
+constexpr double kUneven_mm = 1;       // bites of one stitch that differ by more lie unevenly
+
 std::string mm(double v) { return fmt::format("{:.4g} mm", v); }
 
 // Where its triangle has no edge of the wound any more, from a little inside it: on the edge itself both banks are
@@ -261,6 +264,22 @@ void Sutures::thread_through(std::vector<Stitch> spans, bool corner, double slac
   holding_.threads.push_back(t);
 }
 
+Vec3 Sutures::along_the_wound(const Stitch& before, const Stitch& next) const {
+  const Vec3 a = tissue_.position_mm(next.a.embedded) - tissue_.position_mm(before.a.embedded);
+  const Vec3 b = tissue_.position_mm(next.b.embedded) - tissue_.position_mm(before.b.embedded);
+  return a.squaredNorm() < b.squaredNorm() ? a : b;  // a wound's banks close side by side
+}
+
+void Sutures::go_on(Thread& t, std::vector<Stitch>::iterator where, std::vector<Stitch> spans) {
+  for (Stitch& s : spans) {
+    t.length_mm += (tissue_.held_mm(s.a) - tissue_.held_mm(s.b)).norm();
+    if (s.across()) s.slack_mm.setZero();
+    s.thread = t.id, s.spring = holding_.next_spring++;
+  }
+  t.closing = true;
+  holding_.stitches.insert(where, spans.begin(), spans.end());
+}
+
 void Sutures::drop_thread(int32_t thread) {
   std::erase_if(holding_.stitches, [&](const Stitch& s) { return s.thread == thread; });
   std::erase_if(holding_.threads, [&](const Thread& t) { return t.id == thread; });
@@ -350,9 +369,9 @@ Outcome Sutures::sew_row(const std::vector<std::pair<Anchor, Anchor>>& bites, co
     for (size_t i = 0; i < row.size(); ++i) {
       if (i > 0) {
         spans.push_back(between(row[i - 1].second, row[i].first, bite));
-        const Vec3 a = tissue_.position_mm(row[i].first.embedded) - tissue_.position_mm(row[i - 1].first.embedded);
-        const Vec3 b = tissue_.position_mm(row[i].second.embedded) - tissue_.position_mm(row[i - 1].second.embedded);
-        spans.back().slack_mm = a.squaredNorm() < b.squaredNorm() ? a : b;  // a wound's banks close side by side
+        Stitch before, next;
+        before.a = row[i - 1].first, before.b = row[i - 1].second, next.a = row[i].first, next.b = row[i].second;
+        spans.back().slack_mm = along_the_wound(before, next);
       }
       spans.push_back(between(row[i].first, row[i].second, bite));
       spans.back().id = holding_.next_stitch++;
@@ -380,6 +399,88 @@ Outcome Sutures::act(const SutureRow& c) {
     bites.emplace_back(*a, *b);
   }
   return sew_row(bites, {c.spacing_mm, c.depth_mm, c.running, c.slack_mm}, c.running);
+}
+
+std::optional<Anchor> Sutures::find_own_bite(const ChartPoint& p, double depth_mm, HeldSide side,
+                                             std::string& reason) const {
+  std::optional<Anchor> anchor;
+  double from_edge_mm = tissue_.spec().suture_bite_mm;
+  if (side != HeldSide::skin) {
+    anchor = tissue_.find_in_wall(p, side, reason);
+  } else if (const auto skin = tissue_.find_skin(p, reason)) {
+    const RestIndex& index = *tissue_.version().index;
+    const auto rim = index.snap_to_rim(*skin, SutureBite::kFarthest_mm);
+    if (!rim)
+      return reason = "there is no wound's edge within " + mm(SutureBite::kFarthest_mm) + " of " + at_text(p) +
+                      "; a bite nearer to one was expected",
+             std::nullopt;
+    from_edge_mm = (index.rest_mm(*skin) - index.rest_mm(*rim)).norm();
+    anchor = bite_at(*rim, depth_mm, reason);
+  }
+  if (anchor) anchor->bite_mm = std::clamp(from_edge_mm, kLeastBite_mm, SutureBite::kFarthest_mm);
+  return anchor;
+}
+
+Thread* Sutures::sewn_thread() {
+  for (Thread& t : holding_.threads)
+    if (t.open) return &t;
+  return nullptr;
+}
+
+std::optional<SewnThread> Sutures::sewn() const {
+  for (const Thread& t : holding_.threads) {
+    if (!t.open) continue;
+    SewnThread sewn;
+    sewn.thread = t.id;
+    for (const Stitch& s : holding_.stitches)
+      if (s.thread == t.id && s.across()) ++sewn.bites, sewn.end_mm = tissue_.position_mm(s.b.embedded).cast<float>();
+    return sewn;
+  }
+  return std::nullopt;
+}
+
+Outcome Sutures::act(const SutureBite& c) {
+  std::string reason;
+  const auto a = find_own_bite(c.a, c.depth_mm, c.side_a, reason);
+  const auto b = a ? find_own_bite(c.b, c.depth_mm, c.side_b, reason) : std::nullopt;
+  if (!b) return {false, reason};
+  for (const Stitch& s : holding_.stitches)
+    if (s.across() && joins(s, *a, *b))
+      return {false, "stitch " + std::to_string(s.id) + " is there already; another place was expected"};
+  if (same_place(*a, *b))
+    return {false, "both ends of the bite are at " + at_text(c.a) + "; two different edges were expected"};
+  const double uneven = std::abs(a->bite_mm - b->bite_mm);
+  Stitch across = between(*a, *b, 0);
+  across.a.bite_mm = a->bite_mm, across.b.bite_mm = b->bite_mm;
+  widen(across.a), widen(across.b);
+  across.id = holding_.next_stitch++;
+  if (Thread* t = sewn_thread()) {
+    const auto last = std::find_if(holding_.stitches.rbegin(), holding_.stitches.rend(),
+                                   [&](const Stitch& s) { return s.thread == t->id; });
+    Stitch along = between(last->b, across.a, 0);
+    along.a = last->b, along.b = across.a;
+    along.slack_mm = along_the_wound(*last, across);
+    go_on(*t, last.base(), {along, across});
+  } else {
+    thread_through({across}, false, 0);
+    holding_.threads.back().open = true;
+  }
+  const std::string note = through_whole_skin(*a, *b);
+  if (!note.empty() || uneven <= kUneven_mm || c.side_a != c.side_b) return {true, note};
+  return {true, fmt::format("it lies {:.1f} mm from one edge and {:.1f} mm from the other; where bites are not alike "
+                            "one edge comes to lie higher",
+                            a->bite_mm, b->bite_mm)};
+}
+
+Outcome Sutures::act(const TieSuture& c) {
+  Thread* t = sewn_thread();
+  if (!t) return {false, "no thread is being sewn; a bite of a running suture was expected before its knot"};
+  t->open = false;
+  if (t->closing)
+    t->slack_mm = c.slack_mm;
+  else
+    t->length_mm += c.slack_mm;
+  return {true, {}};
 }
 
 Outcome Sutures::act(const SutureBetween& c) {

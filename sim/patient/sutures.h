@@ -2,8 +2,8 @@
 // Stitches and threads: tying, drawing tight, cutting, and what they pull with.
 //
 // A stitch is a spring between two bites. It is drawn tight over some steps (its slack shrinks), as a hand does it. A
-// running suture is one thread through many bites, which slides until its tension is the same everywhere
-// (fem/forces/spring_forces.h).
+// running suture, drawn at once or sewn bite after bite, is one thread through many bites, which slides until its
+// tension is the same everywhere (fem/forces/spring_forces.h).
 #include <optional>
 #include <string>
 #include <utility>
@@ -23,6 +23,11 @@ class Sutures {
   Outcome act(const SutureCorner& c);
   Outcome act(const SutureBetween& c);
   Outcome act(const CutSuture& c);
+  Outcome act(const SutureBite& c);
+  Outcome act(const TieSuture& c);
+
+  /// The thread that is sewn bite after bite, and where its last bite came out; nothing: none is.
+  std::optional<SewnThread> sewn() const;
 
   bool draw_tight();  // by one step; true when something moved
   bool settled() const;
@@ -41,6 +46,9 @@ class Sutures {
   std::optional<Anchor> find_bite(const ChartPoint& p, double depth_mm, std::string& reason,
                                   HeldSide side = HeldSide::skin) const;
   std::optional<Anchor> bite_at(const SurfacePoint& rim, double depth_mm, std::string& reason) const;
+  /// Of a bite that counts by how far from the edge it lies: on the rim, with that distance as its bite.
+  std::optional<Anchor> find_own_bite(const ChartPoint& p, double depth_mm, HeldSide side, std::string& reason) const;
+  Thread* sewn_thread();
   std::string through_whole_skin(const Anchor& a, const Anchor& b) const;  // a note; empty: neither bite does
   /// Index into the stitches.
   std::optional<size_t> find_stitch(const StitchPick& pick, std::string& reason) const;
@@ -49,6 +57,10 @@ class Sutures {
   Outcome sew_row(const std::vector<std::pair<Anchor, Anchor>>& bites, const RowKind& kind, bool whole);
   /// One thread through these spans in their order.
   void thread_through(std::vector<Stitch> spans, bool corner, double slack_mm);
+  /// Further spans of a thread that is there, behind its last one: it is drawn anew.
+  void go_on(Thread& thread, std::vector<Stitch>::iterator where, std::vector<Stitch> spans);
+  /// The way of a thread from one stitch to the next, which it keeps.
+  Vec3 along_the_wound(const Stitch& before, const Stitch& next) const;
   void draw(Thread& thread) const;
   void drop_thread(int32_t thread);  // and its spans
   bool same_place(const Anchor& a, const Anchor& b) const;

@@ -92,8 +92,9 @@ void fields(const Stitch& s, V&& v) {
 }
 template <class V>
 void fields(const Thread& t, V&& v) {
-  const auto& [id, length_mm, slack_mm, corner, closing] = t;
+  const auto& [id, length_mm, slack_mm, corner, closing, open] = t;
   v(id, length_mm, slack_mm, corner, closing);
+  if (open) v(open);  // hashes of what was recorded before there were such threads stay
 }
 template <class V>
 void fields(const PlacedLoad& l, V&& v) {

@@ -125,6 +125,72 @@ TEST(HandTools, TwoEdgesDrawnWithTheRunningStitchAreOneThread) {
   }
 }
 
+TEST(HandTools, BiteAfterBiteIsOneThreadAndAKnotEndsIt) {
+  Hand h(slit());
+  h.choose(Tool::suture_knot);
+  h.at(3, 0, false), h.at(3, 0, true), h.at(3, 0, false);
+  ASSERT_EQ(h.out.all.size(), 1u);
+  EXPECT_EQ(h.out.all[0].kind, MissedPress::no_thread);
+  h.choose(Tool::suture_bites, 1.5);
+  for (const double y : {-4.0, 0.0, 4.0}) {
+    h.at(-3, y, false), h.at(-3, y, true);
+    EXPECT_EQ(h.g.state().bites, 1);
+    h.at(4, y, true), h.at(4, y, false);
+    const auto* bite = h.last<SutureBite>();
+    ASSERT_NE(bite, nullptr);
+    EXPECT_NEAR((bite->a - ChartPoint(-3, y)).norm(), 0, 0.01);
+    EXPECT_NEAR((bite->b - ChartPoint(4, y)).norm(), 0, 0.01);
+    EXPECT_EQ(bite->depth_mm, 0);
+  }
+  EXPECT_EQ(h.done.size(), 3u);
+  h.s.sewn.thread = 1, h.s.sewn.bites = 3, h.s.sewn.end_mm = Vec3f(4, 4, 0);
+  h.choose(Tool::suture_knot);
+  h.at(20, 4, false), h.at(20, 4, true), h.at(20, 4, false);
+  EXPECT_EQ(h.out.all.size(), 2u) << "a knot far from the last bite";
+  h.at(5, 5, false), h.at(5, 5, true), h.at(5, 5, false);
+  EXPECT_NE(h.last<TieSuture>(), nullptr);
+}
+
+TEST(HandTools, ABuriedRowHasItsDepthAndARowNone) {
+  Hand h(slit());
+  h.choose(Tool::suture_row_buried, 1.5, 5);
+  h.draw(-3, -20, -3, 20), h.draw(3, -20, 3, 20);
+  const auto* row = h.last<SutureRow>();
+  ASSERT_NE(row, nullptr);
+  EXPECT_EQ(row->depth_mm, 1.5);
+  EXPECT_FALSE(row->running);
+}
+
+TEST(HandTools, ADeepStitchSaysWhichFaceItGoesInto) {
+  // Skin at 0; below it, beside the slit, a floor that looks up and a ceiling that looks down.
+  auto t = std::make_shared<SurfaceTopology>(*slit().topology);
+  SurfaceView& view = t->view;
+  const auto face = [&](std::array<Vec3, 3> c) {
+    const auto n = int32_t(view.X_mm.size());
+    for (const Vec3& p : c) view.X_mm.push_back(p);
+    view.tri.push_back({n, n + 1, n + 2}), view.kind.push_back(FaceKind::wall), view.rim.push_back(0);
+  };
+  face({Vec3(-1, -1, -4), Vec3(1, -1, -4), Vec3(0, 1, -4)});    // a bed
+  face({Vec3(45, -2, -4), Vec3(46, 0, -4), Vec3(47, -2, -4)});  // a flap's underside
+  Hand h(snapshot_of(t));
+  h.choose(Tool::suture_deep);
+  h.at(0, 0, false, -4), h.at(0, 0, true, -4);
+  h.at(46, -1.5, true, -4), h.at(46, -1.5, false, -4);
+  const auto* deep = h.last<InSpace>();
+  ASSERT_NE(deep, nullptr) << h.done.size() << " acts, " << h.out.events.size() << " events, " << h.out.all.size()
+                           << " presses missed";
+  const auto* s = std::get_if<Suture>(&deep->act);
+  ASSERT_NE(s, nullptr);
+  EXPECT_EQ(s->side_a, HeldSide::bed);
+  EXPECT_EQ(s->side_b, HeldSide::under);
+  ASSERT_EQ(deep->z_mm.size(), 2u);
+  EXPECT_NEAR(deep->z_mm[0], -4.2, 0.01) << "in its tissue, below the face";
+  EXPECT_NEAR(deep->z_mm[1], -3.8, 0.01) << "in its tissue, above the face";
+  // Skin on both sides: a stitch like any other.
+  h.at(-5, 9, false), h.at(-5, 9, true), h.at(5, 9, true), h.at(5, 9, false);
+  EXPECT_NE(h.last<Suture>(), nullptr);
+}
+
 TEST(HandTools, AHookIsTakenOutWhereItHoldsAndAtItsHandle) {
   Hand h(slit());
   h.s.hooks.push_back({1, Vec3f(10, 0, 0), Vec3f(20, 0, 15), Vec3f::Zero()});

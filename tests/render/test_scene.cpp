@@ -160,6 +160,34 @@ TEST(SceneBuilder, ARunningThreadHasItsKnotsAtItsEnds) {
   }
 }
 
+// A thread that is sewn bite after bite has no knot at its last bite: it goes on to the needle, or lies beside it.
+TEST(SceneBuilder, AThreadThatIsBeingSewnGoesOnToTheNeedle) {
+  Snapshot s = sample_snapshot({.wave_mm = 0, .sutures = 3, .hooks = 0});
+  for (SutureState& k : s.sutures) k.thread = 1;
+  const auto loose = [&](const ToolPose& tool) {  // how far the thread reaches that is no stitch yet
+    SceneBuilder builder;
+    float far = 0;
+    for (const PropVertex& v : builder.build(s, tool).props.vertex)
+      if (v.id == uint32_t(Part::suture) << 24) far = std::max(far, (v.x_mm - s.sutures.back().b_mm).norm());
+    return far;
+  };
+  const auto of_last = [&] {
+    SceneBuilder builder;
+    const std::vector<PropVertex>& vertex = builder.build(s).props.vertex;
+    return std::count_if(vertex.begin(), vertex.end(), [&](const PropVertex& v) {
+      return v.id == (uint32_t(Part::suture) << 24 | uint32_t(s.sutures.back().id));
+    });
+  };
+  EXPECT_EQ(loose({}), 0) << "it is tied";
+  const auto with_knot = of_last();
+  s.sewn.thread = 1, s.sewn.bites = 3, s.sewn.end_mm = s.sutures.back().b_mm;
+  EXPECT_LT(of_last(), with_knot);
+  EXPECT_NEAR(loose({}), 15, 2) << "its end lies beside the wound";
+  ToolPose needle;
+  needle.visible = true, needle.kind = ToolPose::Kind::needle_holder, needle.tip_mm = s.sewn.end_mm + Vec3f(0, 0, 40);
+  EXPECT_NEAR(loose(needle), 45, 6) << "it comes to the needle";
+}
+
 TEST(SceneBuilder, ThreadLiesOverWhatStandsUpBetweenItsHoles) {
   // The skin rises between the holes of a closed stitch, as
   // beside the end of a scar: the thread must not run beneath it.

@@ -7,6 +7,7 @@
 
 #include "sim/base/elementary.h"
 #include "sim/cutting/strokes/pull_back.h"
+#include "sim/geometry/overrun.h"
 
 namespace limberg {
 
@@ -56,8 +57,14 @@ std::string fits_grid(const BladeContext& c, const Blade& blade) {
   return {};
 }
 
+std::vector<Vec2> closed_outline(std::span<const ChartPoint> outline) {
+  std::vector<Vec2> p(outline.begin(), outline.begin() + std::ptrdiff_t(points_to_closing(outline)));
+  if (p.size() < outline.size() && p.size() > 3 && (p.front() - p.back()).norm() < kPasses_mm) p.pop_back();
+  return p;
+}
+
 std::vector<Vec2> clean_outline(std::span<const ChartPoint> outline, std::string& why) {
-  std::vector<Vec2> p(outline.begin(), outline.end());
+  std::vector<Vec2> p = closed_outline(outline);
   while (p.size() > 1 && (p.front() - p.back()).norm() < 0.3) p.pop_back();
   if (p.size() >= 3) {
     // Simplify between two points that surely are corners: the first, and the one farthest from it.

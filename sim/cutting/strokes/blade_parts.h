@@ -20,6 +20,8 @@ std::string check_stroke(std::span<const ChartPoint> path, double depth_mm);
 /// Vertices within the rest grid's domain, with room for the jitter?
 std::string fits_grid(const BladeContext& context, const Blade& blade);
 
+/// An outline without what runs on beyond its own beginning (geometry/overrun.h); as it is where nothing does.
+std::vector<Vec2> closed_outline(std::span<const ChartPoint> outline);
 /// A simple counter-clockwise outline without its repeated last point; empty, with a reason, when there is none.
 std::vector<Vec2> clean_outline(std::span<const ChartPoint> outline, std::string& why);
 

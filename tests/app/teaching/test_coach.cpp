@@ -192,7 +192,7 @@ TEST(Coach, HintsComeWhenTheHandIsStillAndGoWhenItActs) {
   Session s("rhomboid");
   s.coach.answer(1);  // the question before the first step, if there is one
   s.act(s.planned(0));
-  s.coach.answer(1);
+  s.coach.answer_place({0, 0});
   s.wait(5);
   EXPECT_EQ(s.coach.says().hint, "");
   s.wait(12);
@@ -312,7 +312,7 @@ TEST(Coach, ASecondTryStandsBesideTheFirst) {
 }
 
 TEST(Coach, QuestionsAreAskedOnceAndAnsweredWithTheReason) {
-  Session s("rhomboid");
+  Session s("zplasty");
   while (!s.coach.says().question && s.coach.progress().next + 1 < s.coach.plan().acts.size())
     s.act(s.planned(s.coach.progress().next));
   ASSERT_NE(s.coach.says().question, nullptr);

@@ -131,6 +131,70 @@ TEST(LessonSteps, BadLimitsAreRefusedWithTheirLine) {
   expect_bad(with(kLimit, "deepest_mm", "shallowest_mm"), 11, "shallowest_mm");
 }
 
+const std::string kPlace = R"([[step]]
+stage = "flaps cut"
+say = "Cut the Z."
+why = "It lengthens."
+[step.question]
+ask = "Where?"
+place = [17.5, -8]
+within = 8
+because = "There."
+)";
+
+const std::string kNumber = R"([[step]]
+stage = "flaps cut"
+say = "Cut the Z."
+why = "It lengthens."
+[step.question]
+ask = "How much?"
+number = 73
+unit = "%"
+within = 7
+because = "So."
+)";
+
+const std::string kOnBone = R"([[limit]]
+name = "Roots"
+bone_line = [[0, 70, -40], [10, 65, -40]]
+nearest_mm = 5
+)";
+
+TEST(LessonSteps, QuestionsOfAPlaceAndOfANumberAreReadAndRefusedWithTheirLine) {
+  const LessonWords place = parse_lesson(kHead + kPlace, "l.toml").words;
+  ASSERT_TRUE(place.steps[0].question && place.steps[0].question->place);
+  EXPECT_EQ(*place.steps[0].question->place, ChartPoint(17.5, -8));
+  EXPECT_EQ(place.steps[0].question->within, 8);
+  EXPECT_TRUE(place.steps[0].question->answers.empty());
+  const LessonWords number = parse_lesson(kHead + kNumber, "l.toml").words;
+  ASSERT_TRUE(number.steps[0].question && number.steps[0].question->number);
+  EXPECT_EQ(*number.steps[0].question->number, 73);
+  EXPECT_EQ(number.steps[0].question->unit, "%");
+  expect_bad(with(kPlace, "within = 8\n", ""), 12, "within is missing");
+  expect_bad(with(kPlace, "within = 8", "within = 0"), 15, "within");
+  expect_bad(with(kPlace, "within = 8", "within = 8\nnumber = 3"), 16, "number beside another way to answer");
+  expect_bad(with(kPlace, "within = 8", "within = 8\nanswers = [\"a\", \"b\"]"), 16, "answers beside another way");
+  expect_bad(with(kPlace, "within = 8", "within = 8\nunit = \"mm\""), 16, "unit beside another way");
+  for (const char* bad : {"[1]", "[1, 2, 3]", "[1, \"b\"]", "[1, nan]", "5"})
+    expect_bad(with(kPlace, "[17.5, -8]", bad), 14, "no place; expected [x, y]");
+  expect_bad(with(kNumber, "73", "\"many\""), 14, "number");
+  expect_bad(with(kNumber, "unit = \"%\"", "unit = 3"), 15, "unit");
+  expect_bad(with(kNumber, "within = 7", "within = 7\nright = 1"), 17, "right beside another way");
+}
+
+TEST(LessonSteps, LimitsOnBoneAreReadAndRefusedWithTheirLine) {
+  const LessonWords w = parse_lesson(kHead + kOnBone, "l.toml").words;
+  ASSERT_EQ(w.limits.size(), 1u);
+  EXPECT_EQ(w.limits[0].bone_line, (std::vector<Vec3>{{0, 70, -40}, {10, 65, -40}}));
+  EXPECT_EQ(w.limits[0].nearest_mm, 5);
+  expect_bad(with(kOnBone, "nearest_mm = 5\n", ""), 8, "nearest_mm is missing");
+  expect_bad(with(kOnBone, "nearest_mm = 5", "nearest_mm = 0"), 11, "nearest_mm");
+  expect_bad(with(kOnBone, "nearest_mm = 5", "nearest_mm = 5\ndeepest_mm = 4"), 10, "beside a limit of skin");
+  for (const char* bad : {"[[0, 70, -40]]", "[[0, 70], [1, 2]]", "[[0, 70, -40], [1, 2, inf]]", "7"})
+    expect_bad(with(kOnBone, "[[0, 70, -40], [10, 65, -40]]", bad), 10,
+               "no line; expected two to 200 points [x, y, z]");
+}
+
 /// What a coach says of limits while this script is carried out as it is written.
 std::string warnings(const Lesson& lesson, const std::vector<Command>& script) {
   Coach coach(make_lesson_plan(&lesson, script));
@@ -141,8 +205,9 @@ std::string warnings(const Lesson& lesson, const std::vector<Command>& script) {
     const size_t before = coach.said().size();
     coach.hear(n);
     for (size_t i = before; i < coach.said().size(); ++i)
-      if (const std::string& w = coach.said()[i].word;
-          w.find("Too deep") != std::string::npos || w.find("safe limit") != std::string::npos)
+      if (const std::string& w = coach.said()[i].word; w.find("Too deep") != std::string::npos ||
+                                                       w.find("Too near") != std::string::npos ||
+                                                       w.find("safe limit") != std::string::npos)
         words += w + "\n";
   }
   return words;

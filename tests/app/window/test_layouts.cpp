@@ -252,7 +252,8 @@ TEST_F(Lessons, TheTourIsShownOnceAndWhatWasChosenIsRemembered) {
     EXPECT_FALSE(w.wrong().size()) << w.wrong();
     w.shoot("tour");
     w.feed.seen.update();
-    EXPECT_TRUE(w.feed.seen.reading().typing) << "the keys are the tour's";
+    EXPECT_TRUE(w.feed.seen.reading().tour);
+    EXPECT_FALSE(w.feed.seen.reading().typing) << "what a card asks for is done by the keys of the session";
     for (int card = 1; card <= DeskTour::kCards; ++card) {
       EXPECT_EQ(w.wrong(), "") << card;
       const bool small = card % 2 == 1;
@@ -261,7 +262,7 @@ TEST_F(Lessons, TheTourIsShownOnceAndWhatWasChosenIsRemembered) {
       w.key(WindowEvent::enter), w.settle();
     }
     w.feed.seen.update();
-    EXPECT_FALSE(w.feed.seen.reading().typing);
+    EXPECT_FALSE(w.feed.seen.reading().tour);
     w.key('=', WindowEvent::control), w.key('K', WindowEvent::control);
   }
   const DeskMemory kept = read_desk_memory(file);
@@ -270,7 +271,7 @@ TEST_F(Lessons, TheTourIsShownOnceAndWhatWasChosenIsRemembered) {
   EXPECT_EQ(kept.colours, DeskColours::light);
   Window again(file);
   again.feed.seen.update();
-  EXPECT_FALSE(again.feed.seen.reading().typing) << "the tour is not shown twice";
+  EXPECT_FALSE(again.feed.seen.reading().tour) << "the tour is not shown twice";
 }
 
 TEST_F(Lessons, TheToolThatIsSeenIsTheToolInUse) {

@@ -59,6 +59,31 @@ TEST(RayCast, FindsTheNearestOfAllTriangles) {
   EXPECT_EQ(cast_ray(Snapshot{}, eye, Vec3f(0, 0, -1)).triangle, -1);
 }
 
+// Straight down on edges and corners of the mesh: in single precision some rays fell between two triangles.
+TEST(RayCast, FallsThroughNoEdge) {
+  const Snapshot s = testing::sample_snapshot({.wound = false, .wave_mm = 0, .hooks = 0});
+  const auto& tri = s.topology->view.tri;
+  const Vec3f eye(3.1f, -20.3f, 207);
+  int rays = 0;
+  for (size_t t = 0; t < tri.size(); t += 5) {
+    if (!s.topology->is_ground(t, Ground::skin)) continue;
+    for (size_t k = 0; k < 3; ++k) {
+      const Vec3f &a = s.x_mm[size_t(tri[t][k])], &b = s.x_mm[size_t(tri[t][(k + 1) % 3])];
+      if (std::max(a.head<2>().cwiseAbs().maxCoeff(), b.head<2>().cwiseAbs().maxCoeff()) > 20)
+        continue;  // the slab's rim
+      for (const float w : {0.0f, 0.25f, 0.37f}) {
+        const Vec3f at = a + w * (b - a);
+        const RayHit hit = cast_ray(s, eye, (at - eye).normalized());
+        ASSERT_GE(hit.triangle, 0);
+        ASSERT_LT((hit.x_mm - at).norm(), 0.01f) << at.transpose();
+        ++rays;
+      }
+    }
+  }
+  EXPECT_GT(rays, 500);
+  std::printf("  %d rays on %zu triangles\n", rays, tri.size());
+}
+
 TEST(Orbit, TurnsAboutTheTargetAndStopsAtThePoles) {
   Camera c = over_the_slab();
   const float distance = (c.eye_mm - c.target_mm).norm();

@@ -31,7 +31,7 @@ class Maker {
   }
   Command command() {
     const int id = 1 + pick(1000);
-    switch (pick(16)) {
+    switch (pick(18)) {
       case 0:
         return Incise{path(2), real(0.5, 200), real(20, 160)};
       case 1:
@@ -60,6 +60,10 @@ class Maker {
         return SutureBetween{{id, {0, 0}}, {0, point()}, {real(2, 9), real(0, 5), true, real(0, 5)}};
       case 14:
         return pick(2) == 0 ? CutSuture{{id, {0, 0}}} : CutSuture{{0, point()}};
+      case 15:
+        return SutureBite{point(), point(), pick(2) == 0 ? 0 : real(0.6, 9)};
+      case 16:
+        return TieSuture{pick(2) == 0 ? 0 : real(0, 9)};
       case 11:
         return Stage{pick(2) == 0 ? "flap \"cut\" \\ \n\t" : "lambeau incis\xc3\xa9"};
       default:

@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <numbers>
 
+#include "sim/geometry/overrun.h"
 #include "tests/sim/commands/shipped_scripts.h"
 
 namespace limberg {
@@ -14,6 +16,23 @@ using namespace test;
 
 double angle_deg(const Vec2& a, const Vec2& tip, const Vec2& b) {
   return std::acos((a - tip).normalized().dot((b - tip).normalized())) * 180 / std::numbers::pi;
+}
+
+// The rule for outlines that run on beyond their beginning cuts nothing off what is shipped.
+TEST(ShippedScripts, NoOutlineRunsOn) {
+  int outlines = 0;
+  for (const auto& e : std::filesystem::directory_iterator(source_dir() + "/recordings")) {
+    if (e.path().extension() != ".jsonl") continue;
+    for (const Command& c : shipped_commands(e.path().stem().string())) {
+      const std::vector<ChartPoint>* outline = nullptr;
+      if (const auto* x = std::get_if<Excise>(&c)) outline = &x->outline;
+      if (const auto* u = std::get_if<Undermine>(&c)) outline = &u->outline;
+      if (!outline) continue;
+      ++outlines;
+      EXPECT_EQ(points_to_closing(*outline), outline->size()) << e.path();
+    }
+  }
+  EXPECT_GT(outlines, 20);
 }
 
 constexpr double kRounded_mm = 2e-3;  // scripts state thousandths

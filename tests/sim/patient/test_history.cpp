@@ -68,7 +68,11 @@ class Hand {
   }
   Command sew() {
     const ChartPoint p = point();
-    switch (pick(5)) {
+    switch (pick(7)) {
+      case 3:
+        return SutureBite{p, p + Vec2(real(-5, 5), real(-5, 5))};
+      case 4:
+        return TieSuture{};
       case 0:
         return SutureRow{{p, p + Vec2(9, 1)}, {p + Vec2(0, 3), p + Vec2(9, 4)}, 4, 0, pick(2) > 0, 1};
       case 1:

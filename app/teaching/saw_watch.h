@@ -1,0 +1,46 @@
+#pragma once
+// The saw against the plan, while a hand holds it: how far the tip is from the planned cut and how far the blade leans
+// from it; a plane through picked places before it is sawn; what a saw must not come near to. Places in mm in the frame
+// of the head, on the bones where they were at first.
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "app/teaching/against_plan.h"
+#include "sim/commands/head_command.h"
+
+namespace limberg {
+
+/// How far off a saw may be while it is led, and a plane that was sawn.
+inline constexpr double kSawBeside_mm = 4, kSawLeans_deg = 10;
+
+/// From the planned cut to a place: the nearest place of the cut is at `place - off`. Nothing: it is no cut, or its
+/// plane does not reach there.
+std::optional<Vec3> beside_cut(const HeadCommand& planned, const Vec3& place_mm);
+/// The plane of the planned cut nearest to a place, as its normal; nothing for a contour.
+std::optional<Vec3> plane_near(const HeadCommand& planned, const Vec3& place_mm);
+
+/// What the hand does with the saw.
+struct SawSeen {
+  Vec3 tip_mm = Vec3::Zero(), shaft = Vec3::UnitZ();
+  std::vector<Vec3> sawn_mm;  // of the stroke, while it is pressed
+};
+/// The next planned cut that the saw is meant for: of those that are open the nearest, no farther than 40 mm.
+const PlannedAct* sawn_for(const LessonPlan& plan, std::span<const size_t> open, const Vec3& tip_mm);
+std::vector<LiveRow> saw_rows(const LessonPlan& plan, const HeadCommand& planned, const SawSeen& saw);
+/// "The saw is 6 mm above the line that is drawn: bring it down." Empty: it is near enough.
+std::string saw_word(const HeadCommand& planned, const Vec3& tip_mm, const Words& words = {});
+
+/// A plane through three picked places against the planned cut, before it is sawn. Empty: no plane is planned.
+std::vector<LiveRow> plane_rows(const HeadCommand& planned, const std::array<Vec3, 3>& picked_mm,
+                                const Words& words = {});
+
+/// A cut of bone by a plane or planes against the planned one. Nothing: it is no attempt at it.
+std::optional<Offs> plane_against(const HeadCommand& want, const HeadCommand& got, const Words& words = {});
+
+/// How near a cut comes to a limit on bone; nothing: the limit is not one of bone, or this is no cut.
+std::optional<double> nearest_to_limit_mm(const SafeLimit& limit, const HeadCommand& cut);
+
+}  // namespace limberg
