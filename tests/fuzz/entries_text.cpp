@@ -283,7 +283,7 @@ Entry words_entry() {
        "msgid \"{} and {}\"\nmsgstr \"{} und {}\"\n"},
       [](const std::string& text) -> std::string {
         std::vector<WordsFault> faults;
-        const PoFile po = parse_po(text, "table");
+        const PoFile po = parse_po(text, kNamed);
         const Words w(std::make_shared<WordTable>(table_of(po, nullptr, faults)));
         for (const PoEntry& e : po.entries) w(e.english.c_str()), w.said(e.english), w.said(text);
         return w.language().empty() ? "a table of no language" : "";

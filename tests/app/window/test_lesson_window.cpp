@@ -131,8 +131,15 @@ TEST_F(LessonWindow, AsksAnswersShowsAndSumsUp) {
   w.key('S'), w.key('S');  // one quality, whatever the machine's speed
   w.done(w.frames->coach()->plan().acts[0].command);
   w.settle();
-  ASSERT_NE(w.frames->coach()->says().question, nullptr);
-  w.click(196, 86);  // the first answer
+  const LessonQuestion* question = w.frames->coach()->says().question;
+  ASSERT_TRUE(question && question->place);
+  SkinChart chart;
+  chart.build(*w.s.topology);
+  const SkinTouch at = chart.at(w.s, *question->place, 1);
+  ASSERT_GE(at.triangle, 0);
+  w.feed.seen.update();
+  const Vec3f px = w.feed.seen.reading().view.to_pixel(at.x_mm.cast<float>(), 1280, 720);
+  w.click(px.x(), px.y());  // where the skin will stand up
   EXPECT_EQ(w.frames->coach()->says().question, nullptr);
   EXPECT_EQ(w.frames->coach()->says().answer.substr(0, 5), "Right");
   w.shoot("rhomboid-answered");
