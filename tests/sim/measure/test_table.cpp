@@ -72,6 +72,7 @@ TEST(MeasureTable, EachEntryReadsItsOwnField) {
                     &m.gape.open_mm,
                     &m.gape.over_mm,
                     &m.turned.area_mm2,
+                    &m.raw.area_mm2,
                     &m.contact_force_N,
                     &m.min_J,
                     &m.suture_force_peak_N,
