@@ -12,8 +12,10 @@ namespace {
 constexpr float kBite_mm = 2.2f;  // how far from the wound's edge a stitch enters the skin, for the picture
 // a point of the thread is looked for so far above and below the straight line between its ends
 constexpr float kReach_mm = 4;
-constexpr float kFlat_mm = 0.05f;  // what stands up less does not bend the thread
-constexpr int kSamples = 12;       // places between the ends at which the skin's height is taken
+constexpr float kFlat_mm = 0.05f;   // what stands up less does not bend the thread
+constexpr float kOpposite = -0.5f;  // cosine
+constexpr float kOneWay = 0.7f;     // of the areas' sum, the length of their normals' sum
+constexpr int kSamples = 12;        // places between the ends at which the skin's height is taken
 
 // The direction over the wound at a stitch: across the cut's rim nearest to its end a, away from the skin of a.
 Vec3f across_rim(const RenderScene& scene, const Snapshot& snapshot, const Vec3f& a, const Vec3f& up) {
@@ -31,14 +33,16 @@ Vec3f across_rim(const RenderScene& scene, const Snapshot& snapshot, const Vec3f
   return out.norm() > 1e-6f ? Vec3f(out.normalized()) : Vec3f(Vec3f::UnitX());
 }
 
-// The skin around a stitch.
+// The skin around a stitch; not what faces it from beyond a gap, as the other lip does.
 struct Patch {
   const RenderScene& scene;
   std::vector<uint32_t> triangle;
   Vec3f normal = Vec3f::Zero();  // of all of it; zero: there is none
 
-  Patch(const RenderScene& s, const Vec3f& middle, float radius) : scene(s) {
+  Patch(const RenderScene& s, const Vec3f& middle, float radius, const Vec3f& facing) : scene(s) {
     const TissueMesh& m = *scene.mesh;
+    std::vector<Vec3f> towards;
+    float all = 0;
     for (size_t t = 0; t < m.skin_triangles; ++t) {
       const auto& [a, b, c] = m.tri[t];
       // The ball about the triangle: large ones lie near a place that their corners are far from.
@@ -46,8 +50,19 @@ struct Patch {
       const float around =
           std::max({(scene.x_mm[a] - centre).norm(), (scene.x_mm[b] - centre).norm(), (scene.x_mm[c] - centre).norm()});
       if ((centre - middle).norm() > radius + around) continue;
-      triangle.push_back(uint32_t(t));
-      normal += (scene.x_mm[b] - scene.x_mm[a]).cross(scene.x_mm[c] - scene.x_mm[a]);
+      const Vec3f n = (scene.x_mm[b] - scene.x_mm[a]).cross(scene.x_mm[c] - scene.x_mm[a]);
+      triangle.push_back(uint32_t(t)), towards.push_back(n);
+      normal += n, all += n.norm();
+    }
+    // What lies around a wound looks one way, though the nearest vertex may not. Two lips look at each other: then the
+    // nearest one says which is meant.
+    if (normal.norm() < kOneWay * all) {
+      normal.setZero();
+      size_t kept = 0;
+      for (size_t i = 0; i < triangle.size(); ++i)
+        if (towards[i].dot(facing) >= kOpposite * towards[i].norm())
+          triangle[kept++] = triangle[i], normal += towards[i];
+      triangle.resize(kept);
     }
     const float length = normal.norm();
     normal = length > 1e-6f ? Vec3f(normal / length) : Vec3f(Vec3f::Zero());
@@ -89,7 +104,7 @@ StitchWay stitch_way(const RenderScene& scene, const Snapshot& snapshot, const S
   const NearestSkin at = nearest_skin(scene, s.a_mm);
   if (!at.found) return {};
   const Vec3f gap = s.b_mm - s.a_mm;
-  const Patch patch(scene, 0.5f * (s.a_mm + s.b_mm), 0.5f * gap.norm() + kBite_mm + 2);
+  const Patch patch(scene, 0.5f * (s.a_mm + s.b_mm), 0.5f * gap.norm() + kBite_mm + 2, at.normal);
   // Beside a wound the nearest vertex may belong to an edge that is rolled in: the skin around says where up is.
   const Vec3f up = patch.normal.squaredNorm() > 0.5f ? patch.normal : at.normal;
   // An open stitch points from end to end; a closed one has no direction left and takes the wound's.

@@ -243,6 +243,27 @@ TEST(SceneBuilder, ThreadLiesAboveAnEdgeThatIsRolledIn) {
   EXPECT_GT(sum / float(scene.props.vertex.size()), 0.1f);
 }
 
+TEST(SceneBuilder, ThreadOfOneLipIsNotLaidOverTheOther) {
+  // Skin that is folded over the stitch, 2 mm above it, and looks down at it.
+  Snapshot s = sample_snapshot({.wound = false, .wave_mm = 0, .sutures = 1, .hooks = 0});
+  for (size_t v = 0; v < s.x_mm.size(); ++v) {
+    const Vec3& X = s.topology->view.X_mm[v];
+    const auto on = float(X.x() - 2);
+    if (X.z() < -1e-6 || on < 0) continue;
+    const bool over = on > float(M_PI);
+    s.x_mm[v].x() = over ? 2 - (on - float(M_PI)) : 2 + std::sin(on);
+    s.x_mm[v].z() = over ? 2 : 1 - std::cos(on);
+  }
+  s.sutures[0].a_mm = s.sutures[0].b_mm = Vec3f(0, 0, 0);
+  SceneBuilder builder;
+  const RenderScene& scene = builder.build(s);
+  ASSERT_FALSE(scene.props.vertex.empty());
+  float highest = -1;
+  for (const PropVertex& v : scene.props.vertex) highest = std::max(highest, v.x_mm.z());
+  EXPECT_GT(highest, 0.1f);
+  EXPECT_LT(highest, 1.9f);
+}
+
 TEST(Visible, ClosedSurfaceShowsItsFrontAndWhatIsInTheFrame) {
   const Snapshot s = sample_snapshot();
   SceneBuilder builder;
