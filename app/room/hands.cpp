@@ -205,9 +205,7 @@ EmulatedHand parse_emulated_hand(const std::string& text, const std::string& fil
   const toml::table root = parse_toml(text, file, "an emulated hand for limberg rooms (docs/rooms.md)");
   EmulatedHand h;
   Table t(&root, "", file);
-  int64_t version = 0;
-  t.integer("limberg_hand", 1, 1, [&](int64_t v) { version = v; });
-  if (version == 0) t.fail("limberg_hand", "is missing; expected limberg_hand = 1");
+  t.first_format("limberg_hand");
   t.integer("seed", 0, int64_t(1) << 40, [&](int64_t v) { h.seed = uint64_t(v); });
   t.boolean("stylus", h.stylus), t.boolean("glove", h.glove);
   constexpr int kTries = 20;

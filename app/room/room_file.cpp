@@ -60,9 +60,7 @@ Room parse_room(const std::string& text, const std::string& file, const std::str
   const toml::table root = parse_toml(text, file, "a room, as limberg rooms NAME saves it");
   Room r;
   Table t(&root, "", file);
-  int64_t version = 0;
-  t.integer("limberg_room", 1, 1, [&](int64_t v) { version = v; });
-  if (version == 0) t.fail("limberg_room", "is missing; expected limberg_room = 1");
+  t.first_format("limberg_room");
   if (t.has("date")) t.text("date", r.date, 40);
   const toml::node* devices = t.node("devices");
   const toml::array* list = devices ? devices->as_array() : nullptr;

@@ -57,6 +57,11 @@ class Table {
     if (*v < lo || *v > hi) fail(key, "is " + std::to_string(*v) + range);
     set(*v);
   }
+  /// The number of the format that a file is in: 1, and it must be given.
+  void first_format(const char* key) {
+    integer(key, 1, 1, [](int64_t) {});
+    if (!has(key)) fail(key, "is missing; expected " + std::string(key) + " = 1");
+  }
   void boolean(const char* key, bool& value) {
     const toml::node* n = take(key);
     if (!n) return;

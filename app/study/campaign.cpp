@@ -18,6 +18,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Every member that is open is looked for: a disk is not asked for thousands of files fifty times a second.
+constexpr double kLook_s = 0.2;
+
 class Campaign {
  public:
   Campaign(const std::vector<Job>& jobs, Engine& engine, const CampaignSettings& set)
@@ -28,12 +31,12 @@ class Campaign {
 
   Counts run() {
     bool asked = false;
-    double shown = -1;
+    double shown = -1, looked = -kLook_s;
     while (true) {
       const EngineState state = engine_.poll();
       const bool stop = set_.interrupted && set_.interrupted();
-      look();
       counts_.running = state.running, counts_.note = state.note, counts_.seconds = elapsed_s();
+      if (state.over || stop || counts_.seconds - looked >= kLook_s) look(), looked = counts_.seconds;
       const size_t ended = counts_.done + counts_.failed;
       if (ended > 0) counts_.left_s = counts_.seconds / double(ended) * double(open_.size());
       if (set_.show && counts_.seconds - shown > 0.1) set_.show(counts_), shown = counts_.seconds;

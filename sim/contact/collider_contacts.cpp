@@ -7,6 +7,7 @@
 
 #include "sim/base/elementary.h"
 #include "sim/contact/contact_constants.h"
+#include "sim/contact/contact_stiffness.h"
 #include "sim/geometry/triangle.h"
 
 namespace limberg {
@@ -78,10 +79,8 @@ ColliderContacts::ColliderContacts(std::shared_ptr<const Body> body, const Surfa
     if (!(area[v] > 0)) continue;
     const Way way = way_to(patch_, view.X_mm[v], kReach_mm);
     if (!(way.depth_mm > -kReach_mm) || way.depth_mm > kWithin_mm) continue;
-    const int32_t copy = view.cell_copy[v];
-    const double young_kPa = 3 * model.stencils[size_t(model.cells[size_t(copy)].stencil)].mu_kPa;
     Place p{int32_t(v), embedding[v], view.X_mm[v], 0, std::max(0.0, way.depth_mm)};
-    p.k_N_per_mm = 1e-3 * constant::stiffness * young_kPa * area[v] / cell_mm;
+    p.k_N_per_mm = contact_stiffness_N_per_mm(1, young_kPa(model, view.cell_copy[v]), area[v], cell_mm);
     place_.push_back(p);
   }
   state_.resize(place_.size());

@@ -8,6 +8,7 @@
 #include "sim/base/elementary.h"
 #include "sim/base/error.h"
 #include "sim/contact/contact_constants.h"
+#include "sim/contact/contact_stiffness.h"
 
 namespace limberg {
 
@@ -151,7 +152,7 @@ void ContactFinder::make_contact(Pair& p) const {
   c.normal = f.normal.cast<float>();
   c.gap_mm = float(f.gap_mm - constant::slack_mm);
   c.soft_mm = float(constant::soft_mm);
-  c.k_N_per_mm = float(1e-3 * f.weight * constant::stiffness * place.stiffness_kPa * place.area_mm2 / cell_mm_);
+  c.k_N_per_mm = float(contact_stiffness_N_per_mm(f.weight, place.stiffness_kPa, place.area_mm2, cell_mm_));
 }
 
 // True when the place has slid on so far that it is fresh again.

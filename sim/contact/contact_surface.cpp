@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "sim/base/elementary.h"
+#include "sim/contact/contact_stiffness.h"
 #include "sim/geometry/triangle.h"
 #include "sim/lattice/embedding.h"
 
@@ -160,10 +161,6 @@ std::vector<EdgePoint> edge_points(const ContactSurface& s, const FemModel& mode
   }
   std::stable_sort(out.begin(), out.end(), [](const EdgePoint& a, const EdgePoint& b) { return a.key() < b.key(); });
   return out;
-}
-
-double young_kPa(const FemModel& model, int32_t copy) {
-  return 3 * model.stencils[size_t(model.cells[size_t(copy)].stencil)].mu_kPa;
 }
 
 /// One place for each bin of edge: the corner of most sheets,

@@ -7,15 +7,12 @@
 #include <queue>
 
 #include "sim/geometry/triangle.h"
+#include "sim/measure/corners.h"
 
 namespace limberg {
 namespace {
 
 constexpr double kOnSkin_mm = 1e-3, kFlat = 0.5, kNone_mm = 30, kFull_mm = 5;
-
-std::array<Vec3, 3> corners(const SurfaceView& v, size_t t) {
-  return {v.X_mm[size_t(v.tri[t][0])], v.X_mm[size_t(v.tri[t][1])], v.X_mm[size_t(v.tri[t][2])]};
-}
 
 // Per triangle, whether it is skin with a flat wall below it: the first wall on its way inwards that lies flat, before
 // the way leaves the body. So neither the far side of a head counts, nor a cheek behind an ear, nor the mucosa of a
@@ -27,7 +24,7 @@ std::vector<char> above_a_wall(const SurfaceView& view, const Skin& skin) {
   for (size_t t = 0; t < view.tri.size(); ++t) {
     if (view.kind[t] != FaceKind::wall) continue;
     wall.push_back(view.tri[t]);
-    for (const Vec3& X : corners(view, t)) lo = lo.cwiseMin(X), hi = hi.cwiseMax(X);
+    for (const Vec3& X : corners_at_rest(view, t)) lo = lo.cwiseMin(X), hi = hi.cwiseMax(X);
   }
   if (wall.empty()) return out;
   const Bvh walls(view.X_mm.flat(), wall);
@@ -35,7 +32,7 @@ std::vector<char> above_a_wall(const SurfaceView& view, const Skin& skin) {
   std::array<Bvh::LineHit, 64> hits;
   for (size_t t = 0; t < view.tri.size(); ++t) {
     if (view.kind[t] != FaceKind::skin) continue;
-    const auto X = corners(view, t);
+    const auto X = corners_at_rest(view, t);
     const Vec3 m = (X[0] + X[1] + X[2]) / 3, n = area_vector2(X[0], X[1], X[2]).normalized();
     if (!n.allFinite() || (m.array() < (lo - reach).array()).any() || (m.array() > (hi + reach).array()).any())
       continue;
@@ -70,7 +67,7 @@ Perfusion perfusion(const SurfaceView& view, const Skin& skin) {
   std::priority_queue<std::pair<double, int32_t>, std::vector<std::pair<double, int32_t>>, std::greater<>> open;
   for (size_t t = 0; t < view.tri.size(); ++t) {
     if (view.kind[t] != FaceKind::skin) continue;
-    const auto X = corners(view, t);
+    const auto X = corners_at_rest(view, t);
     centre[t] = (X[0] + X[1] + X[2]) / 3;
     for (size_t k = 0; k < 3; ++k) edge[{view.tri[t][k], view.tri[t][(k + 1) % 3]}] = int32_t(t);
     if (!undermined[t]) way[t] = 0, open.push({0, int32_t(t)});
@@ -100,7 +97,7 @@ Perfusion perfusion(const SurfaceView& view, const Skin& skin) {
   }
   for (size_t t = 0; t < view.tri.size(); ++t) {
     if (view.kind[t] != FaceKind::skin) continue;
-    const auto X = corners(view, t);
+    const auto X = corners_at_rest(view, t);
     const double area = 0.5 * area_vector2(X[0], X[1], X[2]).norm();
     const double f = std::isfinite(way[t]) ? std::clamp((kNone_mm - way[t]) / (kNone_mm - kFull_mm), 0.0, 1.0) : 0;
     p.index[t] = float(f);

@@ -6,6 +6,7 @@
 #include "sim/geometry/bvh.h"
 #include "sim/geometry/triangle.h"
 #include "sim/measure/attached.h"
+#include "sim/measure/corners.h"
 
 namespace limberg {
 namespace {
@@ -14,11 +15,6 @@ constexpr double kAboveSkin_mm = 0.5;  // less is a step-off, which the gape mea
 constexpr double kLooksOut = 0.5;      // cos 60 degrees
 constexpr double kOff_mm = 1e-3;       // a ray leaves its own face
 constexpr double kFar_mm = 50;         // farther away nothing hides it: another side of the patient
-
-std::array<Vec3, 3> corners(const SurfaceView& view, std::span<const Vec3f> x_mm, size_t t) {
-  return {x_mm[size_t(view.tri[t][0])].cast<double>(), x_mm[size_t(view.tri[t][1])].cast<double>(),
-          x_mm[size_t(view.tri[t][2])].cast<double>()};
-}
 
 }  // namespace
 
@@ -32,7 +28,7 @@ RawTissue raw_tissue(const SurfaceView& view, std::span<const Vec3f> x_mm, const
   };
   for (size_t t = 0; t < view.tri.size(); ++t) {
     if (view.kind[t] != FaceKind::wall || !is_attached[size_t(view.tri[t][0])]) continue;
-    const auto x = corners(view, x_mm, t);
+    const auto x = corners_now(view, x_mm, t);
     const Vec3 middle = (x[0] + x[1] + x[2]) / 3, n = area_vector2(x[0], x[1], x[2]);
     const double height_mm = -skin.depth_mm(middle);
     if (!(height_mm > kAboveSkin_mm)) continue;

@@ -8,18 +8,11 @@
 #include "sim/geometry/polyline.h"
 #include "sim/geometry/triangle.h"
 #include "sim/measure/attached.h"
+#include "sim/measure/corners.h"
 #include "sim/measure/skin_strain.h"
 
 namespace limberg {
 namespace {
-
-std::array<Vec3, 3> rest(const SurfaceView& v, size_t t) {
-  return {v.X_mm[size_t(v.tri[t][0])], v.X_mm[size_t(v.tri[t][1])], v.X_mm[size_t(v.tri[t][2])]};
-}
-std::array<Vec3, 3> now(const SurfaceView& v, std::span<const Vec3f> x, size_t t) {
-  return {x[size_t(v.tri[t][0])].cast<double>(), x[size_t(v.tri[t][1])].cast<double>(),
-          x[size_t(v.tri[t][2])].cast<double>()};
-}
 
 // Skin triangles' edges (triangle, first corner) that a wall triangle has across.
 std::vector<std::pair<size_t, size_t>> rim_edges(const SurfaceView& view) {
@@ -42,7 +35,7 @@ std::vector<std::pair<size_t, size_t>> rim_edges(const SurfaceView& view) {
 std::vector<Vec3> rim_mm(const SurfaceView& view) {
   std::vector<Vec3> places;
   for (const auto& [t, k] : rim_edges(view)) {
-    const auto X = rest(view, t);
+    const auto X = corners_at_rest(view, t);
     places.push_back(0.5 * (X[k] + X[(k + 1) % 3]));
   }
   return places;
@@ -66,9 +59,9 @@ DogEar dog_ear(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin&
   bool any = false;
   for (size_t t = 0; t < view.tri.size(); ++t) {
     if (view.kind[t] != FaceKind::skin || !is_attached[size_t(view.tri[t][0])]) continue;
-    const auto X = rest(view, t);
+    const auto X = corners_at_rest(view, t);
     if (!near((X[0] + X[1] + X[2]) / 3)) continue;
-    const auto x = now(view, x_mm, t);
+    const auto x = corners_now(view, x_mm, t);
     std::array<double, 3> h;
     for (size_t k = 0; k < 3; ++k) {
       h[k] = height_at(view.tri[t][k]);
@@ -110,12 +103,12 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
   std::vector<Rim> rim;
   for (const auto& [t, k] : rim_edges(view)) {
     const int32_t a = view.tri[t][k], b = view.tri[t][(k + 1) % 3];
-    const auto x = now(view, x_mm, t);
+    const auto x = corners_now(view, x_mm, t);
     Rim r{a, b, x[k], x[(k + 1) % 3], Vec3::Zero()};
     const Vec3 n = area_vector2(x[0], x[1], x[2]);
     if (n.norm() > 0) r.up = n.normalized();
     if (n.norm() > 0 && (r.q - r.p).norm() > 0) r.out = (r.q - r.p).cross(n).normalized();
-    const auto X = rest(view, t);
+    const auto X = corners_at_rest(view, t);
     const Vec3 N = area_vector2(X[0], X[1], X[2]), E = X[(k + 1) % 3] - X[k];
     r.rest_middle = X[k] + 0.5 * E, r.length = E.norm();
     if (!is_attached[size_t(a)]) r.piece = int32_t(pieces.find(a));
@@ -186,7 +179,7 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
     if (!near) return false;
     for (size_t t = 0; t < view.tri.size(); ++t) {
       if (view.kind[t] != FaceKind::skin) continue;
-      const auto x = now(view, x_mm, t);
+      const auto x = corners_now(view, x_mm, t);
       const Vec3 n = area_vector2(x[0], x[1], x[2]);
       const double rise = n.dot(r.up);
       if (!(rise > 0.5 * n.norm())) continue;  // looks another way
@@ -247,10 +240,10 @@ TurnedSkin turned_skin(const SurfaceView& view, std::span<const Vec3f> x_mm, con
   TurnedSkin out;
   for (size_t t = 0; t < view.tri.size(); ++t) {
     if (view.kind[t] != FaceKind::skin) continue;
-    const auto x = now(view, x_mm, t);
+    const auto x = corners_now(view, x_mm, t);
     const Vec3 n = area_vector2(x[0], x[1], x[2]);
     if (!(n.norm() > 0)) continue;
-    const auto X = rest(view, t);
+    const auto X = corners_at_rest(view, t);
     const Vec3 before = area_vector2(X[0], X[1], X[2]);
     if (n.dot(before) > kSame * n.norm() * before.norm()) continue;
     if (n.normalized().dot(skin.nearest((x[0] + x[1] + x[2]) / 3).normal) >= kTurned) continue;
@@ -265,7 +258,7 @@ TurnedSkin turned_skin(const SurfaceView& view, std::span<const Vec3f> x_mm, con
 double compression(const SurfaceView& view, std::span<const Vec3f> x_mm) {
   double before = 0, after = 0;
   for (size_t t = 0; t < view.tri.size(); ++t) {
-    const auto X = rest(view, t), x = now(view, x_mm, t);
+    const auto X = corners_at_rest(view, t), x = corners_now(view, x_mm, t);
     before += X[0].dot(X[1].cross(X[2]));
     after += x[0].dot(x[1].cross(x[2]));
   }
@@ -278,9 +271,9 @@ double skin_area_mm2(const SurfaceView& view, std::span<const Vec3f> x_mm, const
   double area = 0;
   for (size_t t = 0; t < view.tri.size(); ++t) {
     if (view.kind[t] != FaceKind::skin) continue;
-    const auto X = rest(view, t);
+    const auto X = corners_at_rest(view, t);
     if (!inside_polygon(polygon, body.to_chart((X[0] + X[1] + X[2]) / 3))) continue;
-    const auto x = now(view, x_mm, t);
+    const auto x = corners_now(view, x_mm, t);
     area += 0.5 * area_vector2(x[0], x[1], x[2]).norm();
   }
   return area;
@@ -301,7 +294,7 @@ std::optional<Vec3> corner_position_mm(const SurfaceView& view, std::span<const 
   std::optional<Vec3> x;
   for (size_t t = 0; t < view.tri.size(); ++t) {
     if (view.kind[t] != FaceKind::skin) continue;
-    const auto X = rest(view, t);
+    const auto X = corners_at_rest(view, t);
     const Vec2 centre = skin.body().to_chart((X[0] + X[1] + X[2]) / 3);
     for (size_t k = 0; k < 3; ++k) {
       if ((X[k] - hit->X_mm).norm() > nearest + kSame_mm) continue;
