@@ -1,7 +1,8 @@
 #pragma once
 // What the patient and the acts on it say (sim/commands/words.h, reasons of refusals): texts that sim/ makes in
-// English, with their figures, and that Words::said() finds again by these forms. A test holds them against every act
-// (tests/app/words/test_texts.cpp). A reason that is not here stays English.
+// English, with their figures, and that Words::said() finds again by these forms. Written by hand: of the acts of one
+// operation tests/app/report/test_german.cpp finds nothing left in English, and no test knows every act. A reason that
+// is not here stays English.
 #include "app/words/words.h"
 
 namespace limberg {
