@@ -92,7 +92,9 @@ void draw_legend(Image& image, const TextPainter& text, const Legend& legend) {
     const double value = k * step;
     const int v = y1 - int(std::lround((value - legend.min) / range * bar_h));
     fill_rect(image, x0 + bar_w, v, x0 + bar_w + int(0.4 * em), v + std::max(1, int(em / 12)), {245, 248, 248}, 1);
-    text.draw(image, x0 + bar_w + 0.65 * em, v + 0.32 * em, tick_label(value, step), label);
+    std::string figure = tick_label(value, step);
+    std::replace(figure.begin(), figure.end(), '.', legend.decimal);
+    text.draw(image, x0 + bar_w + 0.65 * em, v + 0.32 * em, figure, label);
   }
 }
 

@@ -14,6 +14,7 @@ struct Legend {
   double min = 0, max = 1;
   ColourScale scale = ColourScale::magnitude;
   bool clipped_above = false, clipped_below = false;  // values lie beyond the ends: marked with a triangle
+  char decimal = '.';                                 // between a number and its fraction
 };
 
 /// Title (bold) and caption in the top left corner. Sizes follow the height of the image.

@@ -240,8 +240,10 @@ Image PictureMaker::tension(const Snapshot& snapshot, const PictureOptions& opti
   draw.iso_lines = int(std::lround(end / round_step(end, 6)));
   Image image = impl_->renderer.draw(scene, impl_->view(snapshot), draw);
   draw_caption(image, impl_->text, options.title, options.caption);
-  draw_legend(image, impl_->text,
-              {"Skin stretch", "% of length", 0, end, ColourScale::magnitude, highest > end * 1.001, false});
+  draw_legend(
+      image, impl_->text,
+      {options.legend.empty() ? "Skin stretch" : options.legend, options.unit.empty() ? "% of length" : options.unit, 0,
+       end, ColourScale::magnitude, highest > end * 1.001, false, options.decimal});
   return image;
 }
 
@@ -272,7 +274,9 @@ Image PictureMaker::moved(const Snapshot& snapshot, const PictureOptions& option
   Image image = impl_->renderer.draw(scene, view, draw);
   if (options.landmarks) draw_landmarks(image, impl_->text, snapshot, view, options.face);
   draw_caption(image, impl_->text, options.title, options.caption);
-  draw_legend(image, impl_->text, {options.legend, "mm", 0, end, ColourScale::magnitude, highest > end * 1.001, false});
+  draw_legend(image, impl_->text,
+              {options.legend.empty() ? "The face has moved" : options.legend, "mm", 0, end, ColourScale::magnitude,
+               highest > end * 1.001, false, options.decimal});
   return image;
 }
 

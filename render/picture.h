@@ -26,12 +26,14 @@ struct PictureOptions {
   std::string caption;  // below the title
   ToolPose tool{};
   FaceLook face = FaceLook::solid;
-  bool strands = false;                       // the tissue between face and bone as a net
-  bool wireframe = false;                     // triangles as lines
-  bool anaglyph = false;                      // for red-cyan glasses; without landmarks. skin() only
-  bool landmarks = false;                     // named dots: of the bone, or of the face where it is solid
-  std::string legend = "The face has moved";  // over the colour scale of moved()
-  double field_max = 0;  // end of the tension scale; 0 = a round number above the 99th percentile of this snapshot
+  bool strands = false;    // the tissue between face and bone as a net
+  bool wireframe = false;  // triangles as lines
+  bool anaglyph = false;   // for red-cyan glasses; without landmarks. skin() only
+  bool landmarks = false;  // named dots: of the bone, or of the face where it is solid
+  std::string legend;      // over the colour scale of tension() or moved(); empty: English words
+  std::string unit;        // of tension(), in words; empty: English
+  char decimal = '.';      // of the scale's figures
+  double field_max = 0;    // end of the tension scale; 0 = a round number above the 99th percentile of this snapshot
 };
 
 enum class PictureQuality {

@@ -34,24 +34,26 @@ void tell(const Case& c) {
 }
 
 /// The plan as it is drawn on paper; nothing for bones, whose plan is in space.
-Markup plan_of_case(const Lesson& l) {
+Markup plan_of_case(const Lesson& l, const Words& w) {
   if (!l.plan) return {};
   const Procedure& p = find_procedure(l.plan->procedure);
   std::vector<std::string> settings;
   for (const auto& [name, value] : l.plan->values) settings.push_back(fmt::format("{}={}", name, value));
-  return chart(plan_svg(p.figure(procedure_values(p, settings)), l.title));
+  return chart(plan_svg(p.figure(procedure_values(p, settings)), w(l.title)));
 }
 
-Markup part_of_page(const Case& c) {
+Markup part_of_page(const Case& c, const Words& w) {
   const Lesson& l = c.lesson;
-  Markup body = paragraph(l.goal);
-  body += plan_of_case(l);
-  std::vector<Markup> steps(l.steps.begin(), l.steps.end()), hints(l.hints.begin(), l.hints.end());
+  Markup body = paragraph(w.said(l.goal));
+  body += plan_of_case(l, w);
+  std::vector<Markup> steps, hints;
+  for (const std::string& s : l.steps) steps.emplace_back(w.said(s));
+  for (const std::string& h : l.hints) hints.emplace_back(w.said(h));
   if (!steps.empty()) body += list(steps);
   if (!hints.empty()) body += list(hints);
-  body +=
-      paragraph("On " + bold(l.scene) + ". Learn it: " + code(run_line(c)) + ". Watch it: " + code(operate_line(c)));
-  return section(l.title, body);
+  body += paragraph(Markup(w("Scene:")) + " " + bold(l.scene) + ". " + w("Learn it:") + " " + code(run_line(c)) + ". " +
+                    w("Watch it:") + " " + code(operate_line(c)));
+  return section(w(l.title), body);
 }
 
 int list_cases(const std::string& name, const CommonOptions& common) {
@@ -67,9 +69,11 @@ int list_cases(const std::string& name, const CommonOptions& common) {
     std::printf("%-*s  %s  (scene %s, lesson %s)\n", int(wide), c.name.c_str(), c.lesson.title.c_str(),
                 c.lesson.scene.c_str(), std::filesystem::path(c.lesson.file).stem().c_str());
   if (common.out_dir.empty()) return kDone;
-  Page page{"Cases", "Cases", paragraph(fmt::format("{} operations, each with a lesson and a script.", all.size())),
-            {},      {},      {}};
-  for (const Case& c : all) page.sections += part_of_page(c);
+  const Words w = common.words();
+  Page page;
+  page.w = w, page.title = w("Cases"), page.heading = page.title;
+  page.opening = paragraph(w("{} operations, each with a lesson and a script.", all.size()));
+  for (const Case& c : all) page.sections += part_of_page(c, w);
   const std::string file = common.out_dir + "/cases.html";
   write_whole_file(file, text_of(page));
   std::printf("page        %s\n", file.c_str());
@@ -83,7 +87,7 @@ void add_cases(CLI::App& app, Chosen& chosen) {
   auto common = std::make_shared<CommonOptions>();
   CLI::App* c = app.add_subcommand("cases", "The library of operations: name, title, scene and lesson of each");
   c->add_option("--case", *name, "This one only: its goal, steps and files, and how to begin")->type_name("NAME");
-  common->add_out(*c);
+  common->add_out(*c), common->add_words(*c);
   c->footer("Example: limberg cases --case cheek-rhomboid");
   c->callback([name, common, &chosen] { chosen = [=] { return list_cases(*name, *common); }; });
 }

@@ -30,7 +30,7 @@ void check_own(const std::string& stem, const Imported& x, bool replace) {
   }
 }
 
-int import(const ImportSettings& s, bool replace) {
+int import(const ImportSettings& s, bool replace, const Words& w) {
   const Imported x = import_peer(s);
   prepare_folder(s.out);
   const std::string stem = (std::filesystem::path(s.out) / x.name).string();
@@ -45,7 +45,7 @@ int import(const ImportSettings& s, bool replace) {
   write_whole_file(stem + ".toml", scene_text);
   build_body(parse_scene(scene_text, stem + ".toml"));
   write_whole_file(stem + ".jsonl", script);
-  write_whole_file(stem + ".html", import_page(x));
+  write_whole_file(stem + ".html", import_page(x, w));
   write_whole_file(stem + ".json", import_json(x));
 
   using Fate = CarriedAct::Fate;
@@ -73,6 +73,7 @@ void add_import(CLI::App& app, Chosen& chosen) {
   struct Options {
     ImportSettings settings;
     bool replace = false;
+    CommonOptions common;
   };
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand(
@@ -94,12 +95,13 @@ void add_import(CLI::App& app, Chosen& chosen) {
                 "Between the stitches of a row [six cells of the peer's, 1.5 to 3]")
       ->check(number_from(0.5, 20));
   c->add_flag("--replace", o->replace, "Replace files of an earlier import");
+  o->common.add_words(*c);
   c->footer(
       "Exit status 3: some acts were refused; all others are in the script.\n"
       "Example: limberg import flaps/cheek.hst --models flaps/model --out out/cheek\n"
       "         limberg check out/cheek/cheek.toml --plan\n"
       "         limberg operate out/cheek/cheek.toml out/cheek/cheek.jsonl --keep-going --out out/cheek/operated");
-  c->callback([o, &chosen] { chosen = [o] { return import(o->settings, o->replace); }; });
+  c->callback([o, &chosen] { chosen = [o] { return import(o->settings, o->replace, o->common.words()); }; });
 }
 
 }  // namespace limberg

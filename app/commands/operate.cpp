@@ -318,7 +318,7 @@ int run_operate(const OperateOptions& asked) {
       Snapshot last;
       world.fill(last, true);                                // with the tension
       if (o.interrupted) leave_figures(result, opt.common);  // who is in a hurry may not wait for the pictures
-      stopped = !draw_report_pictures(opt.common.out_dir, o.stages, last);
+      stopped = !draw_report_pictures(opt.common.out_dir, o.stages, last, opt.common.words());
       if (model) model->ended(last), model->leave(opt.common.out_dir, scene.name, report_camera(last), kReportAspect);
     }
   }

@@ -98,7 +98,7 @@ int operate_head(const Scene& scene, const Script& script, const Lesson* lesson,
     Snapshot last;
     patient.fill_with_field(last);
     if (o.interrupted) leave_figures(r, common);  // who is in a hurry may not wait for the pictures
-    if (!draw_head_pictures(common.out_dir, o.stages, first, last, scene_camera(scene), head))
+    if (!draw_head_pictures(common.out_dir, o.stages, first, last, scene_camera(scene), head, common.words()))
       mark_stopped(r), reached = false;
     if (model) model->ended(last), model->leave(common.out_dir, scene.name, scene_camera(scene), kHeadAspect);
     leave_head_figures(r, head, common.out_dir, last, scene_camera(scene), workers);

@@ -63,7 +63,7 @@ int replay(const ReplayOptions& o) {
                    (o.common.out_dir.empty() ? "" : " --out " + o.common.out_dir);
   if (!o.film.empty()) {
     const auto [width, height] = size_of_film(o.film_size);
-    call.film = FilmSettings{o.film, o.frames_per_s, width, height, o.film_fine};
+    call.film = FilmSettings{o.film, o.frames_per_s, width, height, o.common.words(), o.film_fine};
   }
   call.common = o.common;
   Result other("", "");

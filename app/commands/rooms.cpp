@@ -234,7 +234,7 @@ int set_room_up(const RoomsOptions& o, const std::string& folder) {
   if (!o.devices.empty()) room.devices = o.devices;
   if (!o.check) prepare_folder(folder);
   const std::unique_ptr<RoomHands> hands = hands_of(room.devices);
-  const SetUpOutcome done = set_up(*hands, {std::cin, std::cout, !o.yes}, from, o.check);
+  const SetUpOutcome done = set_up(*hands, {std::cin, std::cout, !o.yes, o.common.words()}, from, o.check);
   std::cout << std::flush;
   room.date = date_of_today();
   room.checks = done.checks;
@@ -292,7 +292,7 @@ void add_rooms(CLI::App& app, Chosen& chosen) {
                 "Where rooms are kept (default: $XDG_CONFIG_HOME/limberg/rooms or "
                 "~/.config/limberg/rooms)")
       ->type_name("DIR");
-  o->common.add_json(*c);
+  o->common.add_json(*c), o->common.add_words(*c);
   c->footer(
       "Exit status 3: a step was not good, or what a room needs is not connected.\n"
       "Example: limberg rooms\n"

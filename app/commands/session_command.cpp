@@ -431,10 +431,10 @@ std::optional<InputError> leave_pictures(Result& result, const SessionCall& call
     Snapshot last;
     a.patient->fill_with_field(last);  // with the tension
     if (a.world->skin())
-      stopped = !draw_report_pictures(call.common.out_dir, a.solver.stages(), last);
+      stopped = !draw_report_pictures(call.common.out_dir, a.solver.stages(), last, call.common.words());
     else if (a.head)
-      stopped =
-          !draw_head_pictures(call.common.out_dir, a.solver.stages(), first, last, scene_camera(a.scene), *a.head);
+      stopped = !draw_head_pictures(call.common.out_dir, a.solver.stages(), first, last, scene_camera(a.scene), *a.head,
+                                    call.common.words());
     if (model) {
       model->stages(a.solver.stages());
       const bool skin = a.world->skin();

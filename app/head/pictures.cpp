@@ -26,17 +26,17 @@ Snapshot at_rest(const Snapshot& s, const Head& head) {
   return b;
 }
 
+/// `title`: in the language of the pictures.
 PictureOptions look(FaceLook face, const std::string& title, bool landmarks = false) {
   PictureOptions o;
   o.face = face, o.title = title, o.landmarks = landmarks;
-  if (!o.title.empty() && o.title[0] >= 'a' && o.title[0] <= 'z') o.title[0] = char(o.title[0] - 'a' + 'A');
   return o;
 }
 
 }  // namespace
 
 bool draw_head_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& first,
-                        const Snapshot& last, const Camera& camera, const Head& head) {
+                        const Snapshot& last, const Camera& camera, const Head& head, const Words& w) {
   remove_report_pictures(dir);
   if (!last.topology) return true;
   const bool face = !last.moved_mm.empty(), net = face && !last.topology->strand.empty();
@@ -50,32 +50,35 @@ bool draw_head_pictures(const std::string& dir, const std::vector<StageRow>& sta
       if (drawn.next()) write_png(dir + "/" + file, pictures.skin(shown, o));
     };
     for (const StageRow& s : stages)
-      if (s.shown.topology) skin(report_names::stage_picture(s.number, s.name), s.shown, look(FaceLook::clear, s.name));
+      if (s.shown.topology)
+        skin(report_names::stage_picture(s.number, s.name), s.shown, look(FaceLook::clear, picture_title(w, s.name)));
     const Snapshot before = at_rest(last, head);
     skin(report_names::overview, last, look(FaceLook::clear, ""));
-    skin("head/bones-before.png", first, look(FaceLook::hidden, "Before"));
-    skin("head/bones-after.png", last, look(FaceLook::hidden, "After"));
+    skin("head/bones-before.png", first, look(FaceLook::hidden, w("Before")));
+    skin("head/bones-after.png", last, look(FaceLook::hidden, w("After")));
     if (!face) return drawn.all();
-    skin("head/before.png", before, look(FaceLook::solid, "Before"));
-    skin("head/after.png", last, look(FaceLook::solid, "After"));
-    if (drawn.next()) write_png(dir + "/head/moved.png", pictures.moved(last, look(FaceLook::solid, "Displacement")));
-    PictureOptions lines = look(FaceLook::solid, "Triangles of face and bone");
+    skin("head/before.png", before, look(FaceLook::solid, w("Before")));
+    skin("head/after.png", last, look(FaceLook::solid, w("After")));
+    PictureOptions moved = look(FaceLook::solid, w("Displacement"));
+    moved.legend = w("The face has moved"), moved.decimal = w.decimal();
+    if (drawn.next()) write_png(dir + "/head/moved.png", pictures.moved(last, moved));
+    PictureOptions lines = look(FaceLook::solid, w("Triangles of face and bone"));
     lines.wireframe = true;
     skin("head/wireframe.png", last, lines);
-    PictureOptions stereo = look(FaceLook::clear, "After, for red-cyan glasses");
+    PictureOptions stereo = look(FaceLook::clear, w("After, for red-cyan glasses"));
     stereo.anaglyph = true;
     skin("head/anaglyph.png", last, stereo);
-    skin("head/through.png", last, look(FaceLook::clear, "After", true));
+    skin("head/through.png", last, look(FaceLook::clear, w("After"), true));
     if (net) {
-      PictureOptions strands = look(FaceLook::hidden, "Tissue between face and bone");
+      PictureOptions strands = look(FaceLook::hidden, w("Tissue between face and bone"));
       strands.strands = true;
       skin("head/tissue.png", last, strands);
     }
     Camera side = camera;
     side.eye_mm = camera.target_mm - Vec3f((camera.eye_mm - camera.target_mm).norm(), 0, 0);
     pictures.set_camera(side);
-    skin("head/profile-before.png", before, look(FaceLook::solid, "Before", true));
-    skin("head/profile-after.png", last, look(FaceLook::solid, "After", true));
+    skin("head/profile-before.png", before, look(FaceLook::solid, w("Before"), true));
+    skin("head/profile-after.png", last, look(FaceLook::solid, w("After"), true));
   } catch (const RenderUnavailable& e) {
     say(std::string("no pictures: ") + e.what());
   }

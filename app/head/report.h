@@ -5,6 +5,7 @@
 
 #include "app/result/result.h"
 #include "app/session/solver_lane.h"
+#include "app/words/words.h"
 #include "render/view.h"
 #include "sim/skull/head/head.h"
 
@@ -23,6 +24,6 @@ void leave_head_figures(Result& result, const Head& head, const std::string& dir
 /// were joined).
 /// `camera`: the scene's. Says in one line when pictures cannot be made here. False: as draw_report_pictures.
 bool draw_head_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& first,
-                        const Snapshot& last, const Camera& camera, const Head& head);
+                        const Snapshot& last, const Camera& camera, const Head& head, const Words& w = {});
 
 }  // namespace limberg

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "app/import/cut_lines.h"
+#include "app/words/words.h"
 #include "sim/geometry/polyline.h"
 
 namespace limberg {
@@ -93,7 +94,7 @@ class Carrier {
     auto f = find_place(m_, place, reason);
     ++now_.places;
     if (!f) {
-      refuse(fmt::format("line {}: {}", place.line, reason));
+      refuse(fmt::format(english("line {}: {}"), place.line, reason));
       return f;
     }
     moved(f->moved_mm);
@@ -212,20 +213,20 @@ class Carrier {
         hook(a);
         break;
       case Kind::move_hook:
-        if (!hooks_.contains(a.number)) return refuse(fmt::format("hook {} was not set", a.number));
+        if (!hooks_.contains(a.number)) return refuse(fmt::format(english("hook {} was not set"), a.number));
         say(fmt::format(R"({{"action":"move","id":{},"to":{},"seconds":2}})", a.number + 1,
                         place_text(m_.unit_mm * a.to)));
         hooked_.push_back(m_.unit_mm * a.to);
         break;
       case Kind::delete_hook:
-        if (hooks_.erase(a.number) == 0) return refuse(fmt::format("hook {} was not set", a.number));
+        if (hooks_.erase(a.number) == 0) return refuse(fmt::format(english("hook {} was not set"), a.number));
         say(fmt::format(R"({{"action":"release","id":{}}})", a.number + 1));
         break;
       case Kind::add_suture:
         suture(a);
         break;
       case Kind::delete_suture:
-        if (!stitched_.contains(a.number)) return refuse(fmt::format("stitch {} was not tied", a.number));
+        if (!stitched_.contains(a.number)) return refuse(fmt::format(english("stitch {} was not tied"), a.number));
         say(fmt::format(R"({{"action":"cut_suture","at":{}}})", place_text(stitched_.at(a.number))));
         stitched_.erase(a.number);
         break;
@@ -237,7 +238,8 @@ class Carrier {
   bool only_of_skin(const PeerAct& a, const char* what) {
     for (const PeerAct::Post& p : a.post)
       if (p.place.material != pm::skin) {
-        refuse(fmt::format("line {}: {} on material {}; ours begins on skin", p.place.line, what, p.place.material));
+        refuse(fmt::format(english("line {}: {} on material {}; ours begins on skin"), p.place.line, what,
+                           p.place.material));
         return false;
       }
     return true;
@@ -277,7 +279,8 @@ class Carrier {
   void join_cut(std::vector<SurfaceSpot>& posts, bool at_start) {
     SurfaceSpot& end = at_start ? posts.front() : posts.back();
     const auto near = cuts_.nearest(end.at_mm, kNearCut_mm);
-    if (!near) return change(fmt::format("its {} was to join a cut, and none is near", at_start ? "start" : "end"));
+    if (!near)
+      return change(fmt::format(english("its {} was to join a cut, and none is near"), at_start ? "start" : "end"));
     moved(near->distance_mm);
     const SurfaceSpot joint = walk_to(m_, end, near->at_mm, 1.5 * near->distance_mm + 1);
     if ((joint.at_mm - end.at_mm).norm() < 2 * cuts_.step_mm())
@@ -290,8 +293,8 @@ class Carrier {
     for (const PeerAct::Post& p : a.post)
       if (p.place.material != pm::skin && p.place.material != pm::periphery)
         return refuse(
-            fmt::format("line {}: a cut that begins on the bed below a raised flap (material {}); ours begins "
-                        "on the outer surface, and would cut the flap too",
+            fmt::format(english("line {}: a cut that begins on the bed below a raised flap (material {}); ours begins "
+                                "on the outer surface, and would cut the flap too"),
                         p.place.line, p.place.material));
     const auto found = find_all(a);
     if (!found) return;
@@ -301,7 +304,7 @@ class Carrier {
       posts.push_back((*found)[i].spot), worked_at(posts.back());
       path.push_back(posts.back().at_mm), normals.push_back(a.post[i].normal.normalized());
     }
-    if (posts.size() < 2) return refuse("one post; two or more make a cut");
+    if (posts.size() < 2) return refuse(english("one post; two or more make a cut"));
     say(fmt::format(R"({{"action":"cut_through","path":{},"normals":{},"open_start":{},"open_end":{}}})",
                     places_text(path), places_text(normals), a.in, a.out));
     for (size_t i = 0; i + 1 < posts.size(); ++i) {
@@ -369,8 +372,8 @@ class Carrier {
   void undermine(const PeerAct& a) {
     for (const PeerAct::Post& p : a.post)
       if (p.place.material != pm::skin)
-        return refuse(
-            fmt::format("line {}: undermining from material {}; ours goes below skin", p.place.line, p.place.material));
+        return refuse(fmt::format(english("line {}: undermining from material {}; ours goes below skin"), p.place.line,
+                                  p.place.material));
     const auto found = find_all(a);
     if (!found) return;
     std::vector<SurfaceSpot> posts;
@@ -378,12 +381,13 @@ class Carrier {
     for (const FoundPlace& f : *found) posts.push_back(f.spot), depth.push_back(depth_at(f.spot)), worked_at(f.spot);
     leave_out_what_turns_away(posts);
     const auto outline = enclosed(a, posts);
-    if (!outline) return refuse("encloses nothing: two points, and no way along cuts between them");
+    if (!outline) return refuse(english("encloses nothing: two points, and no way along cuts between them"));
     const double d = median_of(depth);
     const auto [least, most] = std::minmax_element(depth.begin(), depth.end());
     say(fmt::format(R"({{"action":"undermine","outline":{},"depth_mm":{:.2f}}})", places_text(*outline), d));
     if (*most > 1.5 * *least)
-      change(fmt::format("at one depth, {:.1f} mm; the skin is {:.1f} to {:.1f} mm deep there", d, *least, *most));
+      change(fmt::format(english("at one depth, {:.1f} mm; the skin is {:.1f} to {:.1f} mm deep there"), d, *least,
+                         *most));
   }
 
   /// An act of ours looks at the skin from one side; a point on skin that turns away from there is left out.
@@ -400,8 +404,9 @@ class Carrier {
       if (again) posts.erase(worst), ++left_out;
     }
     if (left_out > 0)
-      change(fmt::format("{} of its points left out, where the skin turns away from the others by more than 70 degrees",
-                         left_out));
+      change(fmt::format(
+          english("{} of its points left out, where the skin turns away from the others by more than 70 degrees"),
+          left_out));
   }
 
   /// Points joined in their order, closed along the cuts where both ends are joined to one.
@@ -412,11 +417,11 @@ class Carrier {
     const auto start = a.post.front().connect ? cuts_.nearest(posts.front().at_mm, kNearCut_mm) : std::nullopt;
     const auto end = a.post.back().connect ? cuts_.nearest(posts.back().at_mm, kNearCut_mm) : std::nullopt;
     for (const auto& [post, near] : {std::pair{&a.post.front(), &start}, std::pair{&a.post.back(), &end}})
-      if (post->connect && !*near) change("a point was to be joined to a cut, and none is near");
+      if (post->connect && !*near) change(english("a point was to be joined to a cut, and none is near"));
     std::vector<Vec3> back;
     if (start && end) back = cuts_.way(*end, *start);
     if (start && end && back.empty()) {
-      change("its two joints lie on cuts that do not meet; closed straight between them");
+      change(english("its two joints lie on cuts that do not meet; closed straight between them"));
       back = {end->at_mm, start->at_mm};
     } else if (start && !end) {
       back = {start->at_mm};
@@ -446,22 +451,24 @@ class Carrier {
       for (int k = 0; k < n && !out; ++k)
         if (!hits[size_t(k)].from_outside) out = &hits[size_t(k)];
       if (!out || m_.material[size_t(out->triangle)] != pm::skin || out->t > kThickest_mm)
-        return refuse("there is no skin within 25 mm over a point of the periosteum; ours undermines from the skin");
+        return refuse(
+            english("there is no skin within 25 mm over a point of the periosteum; ours undermines from the skin"));
       above.push_back({out->triangle, out->bary, m_.at(out->triangle, out->bary)});
       thickness.push_back(out->t);
     }
     const auto [least, most] = std::minmax_element(thickness.begin(), thickness.end());
     if (*most > 2 * *least)
       return refuse(
-          fmt::format("the tissue over the periosteum is {:.1f} to {:.1f} mm thick there: one depth below the "
-                      "skin does not follow it",
+          fmt::format(english("the tissue over the periosteum is {:.1f} to {:.1f} mm thick there: one depth below the "
+                              "skin does not follow it"),
                       *least, *most));
     const auto outline = enclosed(a, above);
-    if (!outline) return refuse("encloses nothing");
+    if (!outline) return refuse(english("encloses nothing"));
     for (const SurfaceSpot& s : above) worked_at(s);
     const double d = 0.85 * *least;
     say(fmt::format(R"({{"action":"undermine","outline":{},"depth_mm":{:.2f}}})", places_text(*outline), d));
-    change(fmt::format("undermined from the skin at {:.1f} mm, just above the periosteum, which stays on the bone", d));
+    change(fmt::format(
+        english("undermined from the skin at {:.1f} mm, just above the periosteum, which stays on the bone"), d));
   }
 
   void excise(const PeerAct& a) {
@@ -475,7 +482,7 @@ class Carrier {
       say(fmt::format(R"({{"action":"excise","at":{}}})", place_text(f->spot.at_mm)));
       return;
     }
-    if (!region) return refuse("no cut encloses the place: it would take the patient");
+    if (!region) return refuse(english("no cut encloses the place: it would take the patient"));
     // Where a closed incision is all of its border, along the same straight pieces.
     const std::vector<Vec3>* outline = &region->outline;
     double depth = depth_at(f->spot);
@@ -524,7 +531,7 @@ class Carrier {
     if (near && (walk_to(m_, f.spot, near->at_mm, 2 * kOwnReach_mm).at_mm - near->at_mm).norm() > cuts_.step_mm())
       near.reset();
     if (!near) {
-      change("no cut lies within 4 mm of an end");
+      change(english("no cut lies within 4 mm of an end"));
       return at;
     }
     if (near->distance_mm > 1.5 * settings_.beside_mm || near->distance_mm < 0.5 * settings_.beside_mm) {
@@ -547,7 +554,8 @@ class Carrier {
 
   std::optional<Vec3> held_at(const PeerPlace& place, const FoundPlace& f, double beside_mm, bool stitch) {
     if (place.material == pm::periosteum) {
-      refuse(fmt::format("line {}: on periosteum that lies on the bone; ours holds nothing there", place.line));
+      refuse(
+          fmt::format(english("line {}: on periosteum that lies on the bone; ours holds nothing there"), place.line));
       return std::nullopt;
     }
     if (place.material == pm::undermined_periosteum) return f.spot.at_mm;
@@ -556,8 +564,8 @@ class Carrier {
   }
 
   void hook(const PeerAct& a) {
-    if (hooks_.contains(a.number)) return refuse(fmt::format("hook {} is set already", a.number));
-    if (a.number < 0) return refuse("a hook's number below 0");
+    if (hooks_.contains(a.number)) return refuse(fmt::format(english("hook {} is set already"), a.number));
+    if (a.number < 0) return refuse(english("a hook's number below 0"));
     const auto f = find(a.post[0].place);
     if (!f) return;
     const int material = a.post[0].place.material;
@@ -568,7 +576,7 @@ class Carrier {
     say(fmt::format(R"({{"action":"hook","id":{},"at":{}{}}})", a.number + 1, place_text(*at),
                     side == "skin" ? "" : R"(,"surface":")" + side + "\""));
     hooks_[a.number] = *at;
-    if (a.strong) now_.notes.push_back("the peer's strong hook; ours pulls as every hook of the scene");
+    if (a.strong) now_.notes.push_back(english("the peer's strong hook; ours pulls as every hook of the scene"));
   }
 
   void suture(const PeerAct& a) {
@@ -598,12 +606,13 @@ class Carrier {
     bool through_skin;
   };
   void row(const Tied& tied) {
-    if (!last_) return change("linked to no earlier stitch");
+    if (!last_) return change(english("linked to no earlier stitch"));
     if (!tied.through_skin || !last_->through_skin)
-      return change("linked to a stitch in a cut face; ours sews rows along edges of skin only");
+      return change(english("linked to a stitch in a cut face; ours sews rows along edges of skin only"));
     const double length = std::min(bank_length(last_->a, tied.a), bank_length(last_->b, tied.b));
     if (length < 1.6 * settings_.spacing_mm) {
-      now_.notes.push_back(fmt::format("its row to the stitch before is {:.1f} mm long: no room for one more", length));
+      now_.notes.push_back(
+          fmt::format(english("its row to the stitch before is {:.1f} mm long: no room for one more"), length));
       return;
     }
     say(fmt::format(R"({{"action":"suture_between","from":{},"to":{},"spacing_mm":{:g}}})", place_text(told_by(*last_)),
@@ -667,13 +676,13 @@ class Carrier {
 const char* words_of(CarriedAct::Fate fate) {
   switch (fate) {
     case Fate::carried:
-      return "carried";
+      return english("carried");
     case Fate::changed:
-      return "changed";
+      return english("changed");
     case Fate::refused:
-      return "refused";
+      return english("refused");
     case Fate::passed:
-      return "nothing to do";
+      return english("nothing to do");
   }
   return "";
 }

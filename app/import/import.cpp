@@ -96,7 +96,8 @@ void read_colliders(Imported& x, const std::vector<std::string>& folders) {
         why = e.what();
       }
     if (!why.empty())
-      x.colliders_left_out.push_back("Nothing keeps tissue out of " + limberg::quoted(name, 200) + ": " + why + ".");
+      x.colliders_left_out.push_back(
+          fmt::format(english("Nothing keeps tissue out of {}: {}."), limberg::quoted(name, 200), why));
   }
 }
 
@@ -108,23 +109,23 @@ std::vector<std::string> missing_of(const Imported& x) {
     return s;
   };
   out.insert(out.end(), x.colliders_left_out.begin(), x.colliders_left_out.end());
-  if (!x.scene.scenery.empty()) out.push_back("Scenery is not drawn: " + list(x.scene.scenery) + ".");
+  if (!x.scene.scenery.empty()) out.push_back(fmt::format(english("Scenery is not drawn: {}."), list(x.scene.scenery)));
   if (!x.scene.volumes.empty())
-    out.push_back("Volumes of other tissue are as soft as the rest: " + list(x.scene.volumes) + ".");
+    out.push_back(fmt::format(english("Volumes of other tissue are as soft as the rest: {}."), list(x.scene.volumes)));
   if (x.scene.strain_most > 0)
-    out.push_back(
-        fmt::format("The peer's limits of stretch, {:g} to {:g}, are not carried: our tissue stiffens by its law.",
-                    x.scene.strain_least, x.scene.strain_most));
-  out.push_back("What the peer holds softly, its periphery, is held fast.");
-  out.push_back("The skin has no tension of its own at rest, as the peer's has none.");
+    out.push_back(fmt::format(
+        english("The peer's limits of stretch, {:g} to {:g}, are not carried: our tissue stiffens by its law."),
+        x.scene.strain_least, x.scene.strain_most));
+  out.push_back(english("What the peer holds softly, its periphery, is held fast."));
+  out.push_back(english("The skin has no tension of its own at rest, as the peer's has none."));
   if (x.bed_file.empty())
-    out.push_back("There are no deep points: the skin is taken as 2 mm everywhere.");
+    out.push_back(english("There are no deep points: the skin is taken as 2 mm everywhere."));
   else
-    out.push_back(
-        fmt::format("The layer of skin has one thickness, the median of its deep points, {:.1f} mm; cuts go to the "
-                    "depth of their own places.",
-                    x.skin_mm));
-  out.push_back("Textures are pictures of a kind that our scenes do not take (JPEG): none is drawn.");
+    out.push_back(fmt::format(
+        english("The layer of skin has one thickness, the median of its deep points, {:.1f} mm; cuts go to the "
+                "depth of their own places."),
+        x.skin_mm));
+  out.push_back(english("Textures are pictures of a kind that our scenes do not take (JPEG): none is drawn."));
   return out;
 }
 

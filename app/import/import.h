@@ -14,6 +14,7 @@
 #include "app/import/carried_acts.h"
 #include "app/import/peer_files.h"
 #include "app/import/peer_model.h"
+#include "app/words/words.h"
 #include "sim/body/collider.h"
 
 namespace limberg {
@@ -49,7 +50,7 @@ std::string surface_obj(const Imported& x);
 std::string collider_obj(const Collider& c);
 std::string collider_name(const Imported& x, size_t i);
 std::string script_text(const Imported& x);
-std::string import_page(const Imported& x);
+std::string import_page(const Imported& x, const Words& w = {});
 std::string import_json(const Imported& x);
 
 }  // namespace limberg

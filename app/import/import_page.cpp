@@ -49,9 +49,9 @@ html::Light light_of(Fate fate) {
                                  : html::Light::none;
 }
 
-std::vector<html::Markup> items(const std::vector<std::string>& lines) {
+std::vector<html::Markup> items(const std::vector<std::string>& lines, const Words& w) {
   std::vector<html::Markup> out;
-  for (const std::string& l : lines) out.emplace_back(l);
+  for (const std::string& l : lines) out.emplace_back(w.said(l));
   return out;
 }
 
@@ -68,45 +68,48 @@ int places_of(const CarriedOperation& o) {
 
 }  // namespace
 
-std::string import_page(const Imported& x) {
+std::string import_page(const Imported& x, const Words& w) {
   const CarriedOperation& o = x.operation;
   Page page;
   page.title = x.name, page.heading = x.name;
-  page.opening = html::paragraph(fmt::format(
-      "A peer's recorded operation as a scene and a script of ours. {} as {}.toml and {}.obj, {} triangles, of "
-      "which {} are held; one unit of the file is {:g} mm{}.",
-      x.scene.object, x.name, x.name, x.triangles, x.held, x.unit_mm,
-      x.unit_guessed ? ", guessed by its size (--unit-mm says otherwise)" : ""));
+  page.w = w;
+  page.opening =
+      html::paragraph(w("A peer's recorded operation as a scene and a script of ours. {} as {}.toml and {}.obj, {} "
+                        "triangles, of which {} "
+                        "are held; one unit of the file is {:g} mm{}.",
+                        x.scene.object, x.name, x.name, x.triangles, x.held, x.unit_mm,
+                        x.unit_guessed ? w(", guessed by its size (--unit-mm says otherwise)") : ""));
   const int refused = o.count(Fate::refused);
   page.summary =
       html::verdict(refused > 0 ? html::Light::bad : html::Light::good,
-                    refused > 0 ? fmt::format("{} of {} acts were refused.", refused, o.act.size())
-                                : fmt::format("Every one of {} acts was carried.", o.act.size())) +
-      html::cards({{std::to_string(o.count(Fate::carried)), "carried", "as they are"},
-                   {std::to_string(o.count(Fate::changed)), "changed", "carried otherwise than recorded"},
-                   {std::to_string(refused), "refused", "left out, for the reason given"},
-                   {fmt::format("{:.2f} mm", most_moved(o)), "a place moved, at most",
-                    fmt::format("of {} places, from where the file has it to the surface or the cut it was laid on",
-                                places_of(o))}});
+                    refused > 0 ? w("{} of {} acts were refused.", refused, o.act.size())
+                                : w("Every one of {} acts was carried.", o.act.size())) +
+      html::cards(
+          {{std::to_string(o.count(Fate::carried)), w("carried"), w("as they are")},
+           {std::to_string(o.count(Fate::changed)), w("changed"), w("carried otherwise than recorded")},
+           {std::to_string(refused), w("refused"), w("left out, for the reason given")},
+           {w("{:.2f} mm", most_moved(o)), w("a place moved, at most"),
+            w("of {} places, from where the file has it to the surface or the cut it was laid on", places_of(o))}});
   std::vector<html::Row> rows;
   for (const CarriedAct& a : o.act) {
     html::Markup notes;
-    for (const std::string& n : a.notes) notes += (notes.empty() ? html::Markup() : html::Markup("; ")) + n;
-    rows.push_back({std::to_string(a.line), a.words + (a.name.empty() ? "" : " (" + a.name + ")"),
-                    html::Cell(words_of(a.fate), light_of(a.fate)), a.places ? fmt::format("{:.2f}", a.moved_mm) : "",
+    for (const std::string& n : a.notes) notes += (notes.empty() ? html::Markup() : html::Markup("; ")) + w.said(n);
+    rows.push_back({std::to_string(a.line), w.said(a.words) + (a.name.empty() ? "" : " (" + a.name + ")"),
+                    html::Cell(w(words_of(a.fate)), light_of(a.fate)), a.places ? w("{:.2f}", a.moved_mm) : "",
                     a.first == 0        ? ""
                     : a.first == a.last ? std::to_string(a.first)
-                                        : fmt::format("{} to {}", a.first, a.last),
+                                        : w("{} to {}", a.first, a.last),
                     notes});
   }
   page.sections = html::section(
-      "Each act", html::table_of_words({"line", "act", "fate", "moved, mm", "line of the script", "why"}, rows));
-  page.sections += html::section("What our scene has not", html::list(items(x.missing)));
-  page.sections += html::section("Let pass in the files", html::list(items(x.mended)));
+      w("Each act"),
+      html::table_of_words({w("line"), w("act"), w("fate"), w("moved, mm"), w("line of the script"), w("why")}, rows));
+  page.sections += html::section(w("What our scene has not"), html::list(items(x.missing, w)));
+  page.sections += html::section(w("Let pass in the files"), html::list(items(x.mended, w)));
   page.sections +=
-      html::section("Carry it out", html::lines(fmt::format("limberg check {}.toml --plan\nlimberg operate {}.toml "
-                                                            "{}.jsonl --keep-going --out out",
-                                                            x.name, x.name, x.name)));
+      html::section(w("Carry it out"), html::lines(fmt::format("limberg check {}.toml --plan\nlimberg operate {}.toml "
+                                                               "{}.jsonl --keep-going --out out",
+                                                               x.name, x.name, x.name)));
   page.footer = html::Markup(program_name());
   return text_of(page);
 }

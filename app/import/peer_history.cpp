@@ -5,6 +5,7 @@
 
 #include "app/import/lenient_json.h"
 #include "app/import/peer_files.h"
+#include "app/words/words.h"
 #include "sim/base/error.h"
 #include "sim/base/quoted.h"
 
@@ -164,31 +165,31 @@ void read_act(PeerAct& a, const LenientJson& v) {
 const char* words_of(PeerAct::Kind kind) {
   switch (kind) {
     case PeerAct::Kind::load_scene:
-      return "scene";
+      return english("scene");
     case PeerAct::Kind::incision:
-      return "incision";
+      return english("incision");
     case PeerAct::Kind::deep_cut:
-      return "cut right through";
+      return english("cut right through");
     case PeerAct::Kind::undermine:
-      return "undermining";
+      return english("undermining");
     case PeerAct::Kind::undermine_periosteum:
-      return "undermining of periosteum";
+      return english("undermining of periosteum");
     case PeerAct::Kind::excise:
-      return "excision";
+      return english("excision");
     case PeerAct::Kind::add_hook:
-      return "hook";
+      return english("hook");
     case PeerAct::Kind::move_hook:
-      return "hook moved";
+      return english("hook moved");
     case PeerAct::Kind::delete_hook:
-      return "hook taken out";
+      return english("hook taken out");
     case PeerAct::Kind::add_suture:
-      return "stitch";
+      return english("stitch");
     case PeerAct::Kind::delete_suture:
-      return "stitch cut";
+      return english("stitch cut");
     case PeerAct::Kind::nothing:
-      return "of the program";
+      return english("of the program");
     case PeerAct::Kind::unknown:
-      return "unknown";
+      return english("unknown");
   }
   return "";
 }

@@ -12,6 +12,7 @@ struct FieldMap {
   std::string title, unit;
   double lo = 0, hi = 1;     // of the scale: ten steps from light to dark
   bool dark_is_low = false;  // what is to be seen is where the figure is small
+  char decimal = '.';        // between a number and its fraction
 };
 
 /// An SVG picture, y up, in squares of a 160th of what is shown: what lies within 25 mm of a cut, or all skin where

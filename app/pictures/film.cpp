@@ -214,8 +214,7 @@ void Film::Impl::draw(const Shot& shot) {
 bool Film::wants_frame() { return impl_->new_title; }
 
 void Film::stage(const std::string& name, const Snapshot&) {
-  impl_->title = name, impl_->new_title = true;
-  if (!name.empty() && name[0] >= 'a' && name[0] <= 'z') impl_->title[0] = char(name[0] - 'a' + 'A');
+  impl_->title = picture_title(impl_->set.w, name), impl_->new_title = true;
 }
 
 bool Film::open() const { return !impl_->broken; }

@@ -8,6 +8,7 @@
 
 #include "app/scene/scene.h"
 #include "app/session/picture_sink.h"
+#include "app/words/words.h"
 
 namespace limberg {
 
@@ -15,6 +16,7 @@ struct FilmSettings {
   std::string file;  // .mp4 (H.264) or .webm (VP9)
   int frames_per_s = 25;
   int width = 1280, height = 720;  // even
+  Words w{};                       // of the titles
   bool fine = false;               // edges as smooth as those of the report's pictures: four samples a pixel
 };
 

@@ -16,12 +16,17 @@
 
 namespace limberg {
 
+std::string picture_title(const Words& w, const std::string& english) {
+  std::string title = w.said(english);
+  if (!title.empty() && title[0] >= 'a' && title[0] <= 'z') title[0] = char(title[0] - 'a' + 'A');
+  return title;
+}
+
 namespace {
 
-PictureOptions titled(const std::string& title) {
+PictureOptions titled(const std::string& title, const Words& w = {}) {
   PictureOptions o;
-  o.title = title;
-  if (!title.empty() && title[0] >= 'a' && title[0] <= 'z') o.title[0] = char(title[0] - 'a' + 'A');
+  o.title = picture_title(w, title);
   return o;
 }
 
@@ -153,12 +158,12 @@ void draw_member_picture(const std::string& file, const std::string& title, cons
 namespace {
 
 /// What cannot be seen: where the blood may not reach, and how hard the skin is pulled.
-void draw_maps(const std::string& dir, const Snapshot& last) {
+void draw_maps(const std::string& dir, const Snapshot& last, const Words& w) {
   const Skin skin(last.topology->body);
   const SurfaceView& view = last.topology->view;
   write_whole_file(dir + "/" + report_names::perfusion,
                    field_map_svg(view, skin.body(), perfusion(view, skin).index,
-                                 {"Perfusion index (dark: little)", "", 0, 1, true}));
+                                 {w("Perfusion index (dark: little)"), "", 0, 1, true, w.decimal()}));
   const std::vector<MembraneState> states = skin_states(view, last.x_mm, skin.body());
   std::vector<float> stress(states.size(), -1);
   std::vector<std::pair<double, double>> all;
@@ -167,8 +172,8 @@ void draw_maps(const std::string& dir, const Snapshot& last) {
       stress[t] = float(std::max(0.0, states[t].stress_kPa)), all.emplace_back(double(stress[t]), states[t].area_mm2);
   write_whole_file(dir + "/" + report_names::stress,
                    field_map_svg(view, skin.body(), stress,
-                                 {"Largest principal stress of the skin", "kPa", 0,
-                                  std::max(1.0, weighted_percentile(all, 0.99)), false}));
+                                 {w("Largest principal stress of the skin"), "kPa", 0,
+                                  std::max(1.0, weighted_percentile(all, 0.99)), false, w.decimal()}));
 }
 
 }  // namespace
@@ -188,10 +193,11 @@ constexpr int kReportWidth = 1280, kReportHeight = 720;
 
 Camera report_camera(const Snapshot& last) { return camera_on_operated(last, double(kReportWidth) / kReportHeight); }
 
-bool draw_report_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& last) {
+bool draw_report_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& last,
+                          const Words& w) {
   remove_report_pictures(dir);
   if (!last.topology) return true;
-  draw_maps(dir, last);
+  draw_maps(dir, last, w);
   PicturesDrawn drawn(int(stages.size()) + 5);
   try {
     PictureMaker pictures(kReportWidth, kReportHeight);
@@ -199,10 +205,12 @@ bool draw_report_pictures(const std::string& dir, const std::vector<StageRow>& s
     if (!stages.empty()) prepare_folder(dir + "/" + report_names::stages_dir);
     for (const StageRow& s : stages)
       if (drawn.next() && s.shown.topology)
-        write_png(dir + "/" + report_names::stage_picture(s.number, s.name), pictures.skin(s.shown, titled(s.name)));
+        write_png(dir + "/" + report_names::stage_picture(s.number, s.name), pictures.skin(s.shown, titled(s.name, w)));
     if (drawn.next()) write_png(dir + "/" + report_names::overview, pictures.skin(last));
+    PictureOptions tension = titled(english("Tension of the skin"), w);
+    tension.legend = w("Skin stretch"), tension.unit = w("% of length"), tension.decimal = w.decimal();
     if (drawn.next() && !last.field.empty())
-      write_png(dir + "/" + report_names::tension, pictures.tension(last, titled("Tension of the skin")));
+      write_png(dir + "/" + report_names::tension, pictures.tension(last, tension));
     SkinFields fields;
     for (const auto& [field, file] :
          {std::pair(SkinField::height, report_names::height), std::pair(SkinField::moved, report_names::moved),
@@ -211,10 +219,10 @@ bool draw_report_pictures(const std::string& dir, const std::vector<StageRow>& s
       const FieldShown& shown = fields.show(field, last);
       const SkinFieldLook& look = look_of(field);
       if (!shown.value.empty())
-        write_png(dir + "/" + file,
-                  pictures.field(last, shown.value,
-                                 {look.title, look.unit, shown.lo, shown.hi, look.scale, shown.above, shown.below},
-                                 titled(look.name)));
+        write_png(dir + "/" + file, pictures.field(last, shown.value,
+                                                   {w(look.title), look.unit[0] ? w(look.unit) : "", shown.lo, shown.hi,
+                                                    look.scale, shown.above, shown.below, w.decimal()},
+                                                   titled(look.name, w)));
     }
   } catch (const RenderUnavailable& e) {
     say(std::string("no pictures: ") + e.what());

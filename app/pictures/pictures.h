@@ -7,6 +7,7 @@
 #include "app/scene/scene.h"
 #include "app/session/picture_sink.h"
 #include "app/session/solver_lane.h"
+#include "app/words/words.h"
 #include "render/tool_pose.h"
 #include "render/view.h"
 
@@ -33,6 +34,9 @@ class OffscreenFrames final : public PictureSink {
   std::unique_ptr<Impl> impl_;
 };
 
+/// A stage's name, or another short English text, as it stands over a picture: with a capital.
+std::string picture_title(const Words& w, const std::string& english);
+
 /// The picture of one member of a study: its operated region, with the title. Says so when none can be made.
 void draw_member_picture(const std::string& file, const std::string& title, const Snapshot& shown);
 
@@ -45,8 +49,9 @@ Camera report_camera(const Snapshot& last);
 inline constexpr double kReportAspect = 1280. / 720, kHeadAspect = 1;
 
 /// Draws DIR/stages/NN-name.png, DIR/overview.png and DIR/tension.png (report_names.h), all with one camera on what was
-/// operated. Says in one line when pictures cannot be made here; InputError when a file cannot be written. False: a
+/// operated, and with words in one language. Says in one line when pictures cannot be made here; InputError when a file cannot be written. False: a
 /// person has ended it meanwhile, and the pictures so far are there.
-bool draw_report_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& last);
+bool draw_report_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& last,
+                          const Words& w = {});
 
 }  // namespace limberg

@@ -23,7 +23,8 @@ Answer ask(const RoomTalk& talk, const std::string& question, Answer at_end) {
     if (line == "s" || line == "skip") return Answer::leave_out;
     if (line == "b" || line == "back") return Answer::back;
     if (line == "q" || line == "quit") return Answer::quit;
-    talk.out << "  Enter goes on, s leaves the step out, b does the step before once more, q ends: " << std::flush;
+    talk.out << "  " << talk.w("Enter goes on, s leaves the step out, b does the step before once more, q ends:") << " "
+             << std::flush;
   }
   talk.out << "\n";
   return interrupted() ? Answer::quit : at_end;
@@ -59,33 +60,38 @@ void replace_checks(SetUpOutcome& o, const std::string& step, const std::vector<
 
 }  // namespace
 
-std::string in_words(const RoomCheck& c) {
+std::string in_words(const RoomCheck& c, const Words& w) {
   const std::string unit = c.unit.empty() ? "" : " " + c.unit;
-  return fmt::format("{:<5} {:<44} {:>8.3g}{}, {} {:.3g}", c.good() ? "good" : "BAD", c.what, c.value + 0.0, unit,
-                     c.at_most ? "at most" : "at least", c.limit);
+  std::string value = fmt::format("{:>8.3g}", c.value + 0.0), limit = fmt::format("{:.3g}", c.limit);
+  for (std::string* figure : {&value, &limit}) std::replace(figure->begin(), figure->end(), '.', w.decimal());
+  return fmt::format("{:<5} {:<44} {}{}, {} {}", c.good() ? w("good") : w("BAD"), w.said(c.what), value, unit,
+                     c.at_most ? w("at most") : w("at least"), limit);
 }
 
 SetUpOutcome set_up(RoomHands& hands, const RoomTalk& talk, const Calibration& from, bool check_only) {
   SetUpOutcome o;
   o.calibration = from;
-  talk.out << "Listening for what is there ...\n" << std::flush;
+  const Words& w = talk.w;
+  talk.out << w("Listening for what is there ...") << "\n" << std::flush;
   HeardDevices heard = heard_in(hands.during("look", 2, {}, {}));
   heard.tracked = hands.tracked();
   for (const std::string& line : hands.health()) talk.out << "  " << line << "\n";
-  talk.out << fmt::format("  heard: {}\n", heard.stylus && heard.glove ? "a stylus and a glove"
-                                           : heard.stylus              ? "a stylus"
-                                           : heard.glove               ? "a glove"
-                                                                       : "nothing yet");
+  talk.out << "  "
+           << w("heard: {}", heard.stylus && heard.glove ? w("a stylus and a glove")
+                             : heard.stylus              ? w("a stylus")
+                             : heard.glove               ? w("a glove")
+                                                         : w("nothing yet"))
+           << "\n";
   std::vector<RoomStep> steps = room_steps(heard);
   if (check_only) std::erase_if(steps, [](const RoomStep& s) { return s.calibrates; });
   // Where no answer comes any more an emulated hand goes on, and tries as often as one that nobody is asked for.
   constexpr int kTriesUnasked = 3;
   double minutes = 0;
   for (const RoomStep& s : steps) minutes += (s.seconds + 20) / 60;
-  talk.out << fmt::format(
-      "{} steps, about {:.0f} minutes. Enter begins a step, s leaves it out, b does the one before once more, q "
-      "ends.\n",
-      steps.size(), std::max(1.0, minutes));
+  talk.out << w("{} steps, about {:.0f} minutes. Enter begins a step, s leaves it out, b does the one before once "
+                "more, q ends.",
+                steps.size(), std::max(1.0, minutes))
+           << "\n";
 
   constexpr int kMostTries = 20;
   std::map<std::string, Calibration> before;  // each step
@@ -94,15 +100,18 @@ SetUpOutcome set_up(RoomHands& hands, const RoomTalk& talk, const Calibration& f
   for (size_t i = 0; i < steps.size() && !o.ended;) {
     const RoomStep& s = steps[i];
     if (tries == 0) {
-      talk.out << fmt::format("\nStep {} of {}: {}\n{}\n{}\n", i + 1, steps.size(), s.title, wrapped(s.ask, "  "),
-                              wrapped(s.why, "  "));
+      talk.out << "\n"
+               << w("Step {} of {}: {}", i + 1, steps.size(), w(s.title)) << "\n"
+               << wrapped(w(s.ask), "  ") << "\n"
+               << wrapped(w(s.why), "  ") << "\n";
       before[s.name] = o.calibration;
     }
     const Answer unasked = tries < kTriesUnasked ? Answer::go_on : Answer::leave_out;
-    const Answer answer = talk.waits      ? ask(talk, tries == 0 ? "  Ready? [Enter] " : "  Once more? [Enter, or s] ",
-                                           hands.emulated() ? unasked : Answer::quit)
-                          : interrupted() ? Answer::quit
-                                          : unasked;
+    const Answer answer =
+        talk.waits ? ask(talk, fmt::format("  {} ", tries == 0 ? w("Ready? [Enter]") : w("Once more? [Enter, or s]")),
+                         hands.emulated() ? unasked : Answer::quit)
+        : interrupted() ? Answer::quit
+                        : unasked;
     if (answer == Answer::quit || tries >= kMostTries) {
       o.ended = true;
       break;
@@ -113,12 +122,12 @@ SetUpOutcome set_up(RoomHands& hands, const RoomTalk& talk, const Calibration& f
       continue;
     }
     if (answer == Answer::leave_out) {
-      talk.out << "  left out\n";
+      talk.out << "  " << w("left out") << "\n";
       ++i, tries = 0;
       continue;
     }
     if (!talk.waits && !hands.emulated()) count_down(talk);
-    talk.out << "  Now ...\n" << std::flush;
+    talk.out << "  " << w("Now ...") << "\n" << std::flush;
     int told_s = 0;
     const std::vector<Sample> samples = hands.during(
         s.name, s.seconds,
@@ -126,7 +135,7 @@ SetUpOutcome set_up(RoomHands& hands, const RoomTalk& talk, const Calibration& f
         [&](double t) {
           if (hands.emulated() || int(t) / 5 <= told_s / 5) return;
           told_s = int(t);
-          talk.out << fmt::format("  {:.0f} s of {:.0f}\n", t, s.seconds) << std::flush;
+          talk.out << "  " << w("{:.0f} s of {:.0f}", t, s.seconds) << "\n" << std::flush;
         });
     if (interrupted()) {
       o.ended = true;
@@ -135,7 +144,7 @@ SetUpOutcome set_up(RoomHands& hands, const RoomTalk& talk, const Calibration& f
     o.heard[s.name] = samples;
     Calibration c = before[s.name];
     const StepOutcome outcome = s.judge(samples, s.seconds, c);
-    for (const RoomCheck& k : outcome.checks) talk.out << "  " << in_words(k) << "\n";
+    for (const RoomCheck& k : outcome.checks) talk.out << "  " << in_words(k, w) << "\n";
     replace_checks(o, s.name, outcome.checks);
     good[s.name] = outcome.good();
     if (outcome.good()) {
@@ -145,7 +154,8 @@ SetUpOutcome set_up(RoomHands& hands, const RoomTalk& talk, const Calibration& f
       continue;
     }
     ++tries;
-    talk.out << wrapped("Not good: " + (outcome.advice.empty() ? "see above" : outcome.advice) + ".", "  ") << "\n";
+    const std::string why = outcome.advice.empty() ? w("see above") : w.said(outcome.advice);
+    talk.out << wrapped(w("Not good: {}.", why), "  ") << "\n";
   }
   o.usable = !steps.empty();
   for (const RoomStep& s : steps) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "app/room/hands.h"
+#include "app/words/words.h"
 
 namespace limberg {
 
@@ -14,6 +15,7 @@ struct RoomTalk {
   std::istream& in;
   std::ostream& out;
   bool waits = true;  // for Enter; else each step begins after a countdown of 3 s (none with an emulated hand)
+  Words w{};          // what it is held in
 };
 
 struct SetUpOutcome {
@@ -30,6 +32,6 @@ struct SetUpOutcome {
 SetUpOutcome set_up(RoomHands& hands, const RoomTalk& talk, const Calibration& from, bool check_only);
 
 /// "good  stylus: noise of a reading at rest   0.21 mm, at most 0.9"
-std::string in_words(const RoomCheck& check);
+std::string in_words(const RoomCheck& check, const Words& w = {});
 
 }  // namespace limberg

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "app/words/words.h"
 #include "calibration/glove_range.h"
 #include "calibration/pivot.h"
 #include "calibration/registration.h"
@@ -32,7 +33,8 @@ RoomCheck at_least(const char* step, const std::string& what, double value, cons
 }
 
 const char* name_of(StationRole r) {
-  constexpr const char* name[] = {"station", "stylus", "forefinger", "thumb", "other forefinger", "other thumb"};
+  constexpr const char* name[] = {english("station"), english("stylus"),           english("forefinger"),
+                                  english("thumb"),   english("other forefinger"), english("other thumb")};
   return name[size_t(r)];
 }
 
@@ -93,22 +95,26 @@ StepOutcome rest(std::span<const Sample> samples, double seconds, Calibration&) 
     const double span_s = r.t_ns.size() > 1 ? double(r.t_ns.back() - r.t_ns.front()) * 1e-9 : 0;
     const double rate = span_s > 0 ? double(r.t_ns.size() - 1) / span_s : 0;
     const double missing = 100 * double(r.missing) / double(r.missing + int64_t(r.t_ns.size()));
-    o.checks.push_back(at_least("rest", r.name + ": readings a second", rate, "Hz", kLeastRate_Hz));
-    o.checks.push_back(at_most("rest", r.name + ": longest gap", longest_gap_ms(r.t_ns), "ms", kLongestGap_ms));
-    o.checks.push_back(at_most("rest", r.name + ": readings that are missing", missing, "%", kMostMissing_percent));
     o.checks.push_back(
-        at_most("rest", r.name + ": noise of a reading at rest", noise_mm(r.at_mm), "mm", kMostNoise_mm));
+        at_least("rest", fmt::format(english("{}: readings a second"), r.name), rate, "Hz", kLeastRate_Hz));
+    o.checks.push_back(
+        at_most("rest", fmt::format(english("{}: longest gap"), r.name), longest_gap_ms(r.t_ns), "ms", kLongestGap_ms));
+    o.checks.push_back(at_most("rest", fmt::format(english("{}: readings that are missing"), r.name), missing, "%",
+                               kMostMissing_percent));
+    o.checks.push_back(at_most("rest", fmt::format(english("{}: noise of a reading at rest"), r.name),
+                               noise_mm(r.at_mm), "mm", kMostNoise_mm));
     if (rate < kLeastRate_Hz)
-      o.advice = "too few readings: fewer stations, or a faster line; nothing else may use the device";
+      o.advice = english("too few readings: fewer stations, or a faster line; nothing else may use the device");
     else if (missing > kMostMissing_percent || longest_gap_ms(r.t_ns) > kLongestGap_ms)
-      o.advice = "readings are lost: look at the cable and its plugs, and at other programs of this machine";
+      o.advice = english("readings are lost: look at the cable and its plugs, and at other programs of this machine");
     else if (noise_mm(r.at_mm) > kMostNoise_mm)
-      o.advice =
-          r.name + " trembles though it lies still: nearer to the transmitter, away from metal, screens and mains";
+      o.advice = fmt::format(
+          english("{} trembles though it lies still: nearer to the transmitter, away from metal, screens and mains"),
+          r.name);
   }
   if (o.checks.empty()) {
-    o.checks.push_back(at_least("rest", "readings", 0, "", seconds * kLeastRate_Hz));
-    o.advice = "nothing was heard: is the device switched on, its cable in, its program running?";
+    o.checks.push_back(at_least("rest", english("readings"), 0, "", seconds * kLeastRate_Hz));
+    o.advice = english("nothing was heard: is the device switched on, its cable in, its program running?");
   }
   return o;
 }
@@ -120,11 +126,12 @@ StepOutcome tip(std::span<const Sample> samples, double, Calibration& c) {
   const PivotLimits limit;
   const PivotResult r = calibrate_pivot(poses, 1, limit);
   StepOutcome o;
-  o.checks = {at_least("tip", "poses", r.poses, "", limit.poses),
-              at_most("tip", "residual of the calibration", r.residual_mm, "mm", limit.residual_mm),
-              at_least("tip", "poses that agree", r.poses ? 100.0 * r.agreeing / r.poses : 0, "%", 100 * limit.inliers),
-              at_least("tip", "how far it was turned", r.cone_deg, "deg", limit.cone_deg),
-              at_most("tip", "first half against second", r.repeat_mm, "mm", limit.repeat_mm)};
+  o.checks = {at_least("tip", english("poses"), r.poses, "", limit.poses),
+              at_most("tip", english("residual of the calibration"), r.residual_mm, "mm", limit.residual_mm),
+              at_least("tip", english("poses that agree"), r.poses ? 100.0 * r.agreeing / r.poses : 0, "%",
+                       100 * limit.inliers),
+              at_least("tip", english("how far it was turned"), r.cone_deg, "deg", limit.cone_deg),
+              at_most("tip", english("first half against second"), r.repeat_mm, "mm", limit.repeat_mm)};
   if (r.accepted)
     c.tip_offset_mm = r.tip_mm;
   else
@@ -137,12 +144,11 @@ StepOutcome on_table(std::span<const Sample> samples, double, Calibration& c) {
   const std::vector<StylusSample> readings = stylus_readings(samples);
   const std::vector<Touch> touch = touches(readings, c.tip_offset_mm);
   StepOutcome o;
-  o.checks.push_back(at_least("table", "points touched", double(touch.size()), "", double(known.size())));
+  o.checks.push_back(at_least("table", english("points touched"), double(touch.size()), "", double(known.size())));
   if (touch.size() != known.size()) {
     o.checks[0].at_most = touch.size() > known.size();
     o.advice = fmt::format(
-        "{} touches were felt, {} are expected: press for half a second at each point, and nowhere "
-        "else",
+        english("{} touches were felt, {} are expected: press for half a second at each point, and nowhere else"),
         touch.size(), known.size());
     return o;
   }
@@ -151,11 +157,11 @@ StepOutcome on_table(std::span<const Sample> samples, double, Calibration& c) {
   for (const Touch& t : touch) tips.push_back(t.tip_mm), unstill = std::max(unstill, t.spread_mm);
   const RegistrationLimits limit;
   const WorldRegistration r = calibrate_world(tips, known, limit);
-  o.checks.push_back(at_most("table", "the tip moved while it touched", unstill, "mm", kStillTouch_mm));
-  o.checks.push_back(at_most("table", "residual of the corners", r.residual_mm, "mm", limit.residual_mm));
-  o.checks.push_back(at_most("table", "error at the middle", r.held_out_mm, "mm", limit.held_out_mm));
+  o.checks.push_back(at_most("table", english("the tip moved while it touched"), unstill, "mm", kStillTouch_mm));
+  o.checks.push_back(at_most("table", english("residual of the corners"), r.residual_mm, "mm", limit.residual_mm));
+  o.checks.push_back(at_most("table", english("error at the middle"), r.held_out_mm, "mm", limit.held_out_mm));
   if (unstill > kStillTouch_mm)
-    o.advice = "rest the tip on the point first, then press and hold for half a second";
+    o.advice = english("rest the tip on the point first, then press and hold for half a second");
   else if (!r.accepted)
     o.advice = r.advice;
   if (!o.good()) return o;
@@ -169,9 +175,9 @@ StepOutcome hand(std::span<const Sample> samples, double, Calibration& c) {
   const GloveResult r = calibrate_glove(apertures(samples, c, false), kAperturesHz, limit);
   const double band = (limit.release_share - limit.grab_share) * (r.open_mm - r.closed_mm);
   StepOutcome o;
-  o.checks = {at_least("hand", "closings", r.cycles, "", limit.cycles),
-              at_least("hand", "between open and closed", r.open_mm - r.closed_mm, "mm", limit.range_mm),
-              at_most("hand", "spread of the closed hand", r.spread_mm, "mm", band / limit.band_sigma)};
+  o.checks = {at_least("hand", english("closings"), r.cycles, "", limit.cycles),
+              at_least("hand", english("between open and closed"), r.open_mm - r.closed_mm, "mm", limit.range_mm),
+              at_most("hand", english("spread of the closed hand"), r.spread_mm, "mm", band / limit.band_sigma)};
   if (r.accepted) {
     c.glove.closed_mm = r.closed_mm, c.glove.open_mm = r.open_mm;
     c.glove.grab_share = limit.grab_share, c.glove.release_share = limit.release_share;
@@ -199,10 +205,10 @@ StepOutcome stroke(std::span<const Sample> samples, double, Calibration& c) {
     if (pressed) at.push_back(world_of(s, c)), t_ns.push_back(s.t_ns);
   }
   StepOutcome o;
-  o.checks.push_back(at_most("stroke", "times that it was pressed", strokes, "", 1));
+  o.checks.push_back(at_most("stroke", english("times that it was pressed"), strokes, "", 1));
   if (at.size() < 12) {
-    o.checks.push_back(at_least("stroke", "readings of the stroke", double(at.size()), "", 12));
-    o.advice = "no stroke was felt: press the switch, keep it pressed along the edge, and let go at its end";
+    o.checks.push_back(at_least("stroke", english("readings of the stroke"), double(at.size()), "", 12));
+    o.advice = english("no stroke was felt: press the switch, keep it pressed along the edge, and let go at its end");
     return o;
   }
   // The far long edge: y and z are known, and where along it the hand was does not matter.
@@ -211,18 +217,20 @@ StepOutcome stroke(std::span<const Sample> samples, double, Calibration& c) {
   for (const Vec3& p : at)
     sum2 += (p - edge).tail<2>().squaredNorm(), least = std::min(least, p.x()), most = std::max(most, p.x());
   const double off = std::sqrt(sum2 / double(at.size())), wrong = std::abs(most - least - kSheetLong_mm);
-  o.checks.push_back(at_most("stroke", "beside the edge, in the middle (RMS)", off, "mm", kStrokeOff_mm));
-  o.checks.push_back(at_most("stroke", "length against the sheet's", wrong, "mm", kStrokeLength_mm));
-  o.checks.push_back(at_most("stroke", "longest gap within the stroke", longest_gap_ms(t_ns), "ms", kLongestGap_ms));
+  o.checks.push_back(at_most("stroke", english("beside the edge, in the middle (RMS)"), off, "mm", kStrokeOff_mm));
+  o.checks.push_back(at_most("stroke", english("length against the sheet's"), wrong, "mm", kStrokeLength_mm));
+  o.checks.push_back(
+      at_most("stroke", english("longest gap within the stroke"), longest_gap_ms(t_ns), "ms", kLongestGap_ms));
   if (strokes > 1)
-    o.advice = "the switch let go in between: is it worn, or its cable loose? Else keep it pressed to the end";
+    o.advice = english("the switch let go in between: is it worn, or its cable loose? Else keep it pressed to the end");
   else if (off > kStrokeOff_mm)
-    o.advice =
-        "the line lies beside the edge: did the sheet move since its corners were touched? Then touch them again";
+    o.advice = english(
+        "the line lies beside the edge: did the sheet move since its corners were touched? Then touch them again");
   else if (wrong > kStrokeLength_mm)
-    o.advice = "draw from corner to corner, all of the edge";
+    o.advice = english("draw from corner to corner, all of the edge");
   else if (longest_gap_ms(t_ns) > kLongestGap_ms)
-    o.advice = "readings were lost while you drew: is your body or the arm of the lamp between hand and transmitter?";
+    o.advice =
+        english("readings were lost while you drew: is your body or the arm of the lamp between hand and transmitter?");
   return o;
 }
 
@@ -239,15 +247,16 @@ StepOutcome grab(std::span<const Sample> samples, double, Calibration& c) {
   const GloveCounts n = tracker.counts();
   StepOutcome o;
   const double seen = ticks > 0 ? 100.0 * double(known) / double(ticks) : 0;
-  o.checks = {at_least("grab", "grabs that were felt", double(n.grabs), "", kGrabs),
-              at_most("grab", "grabs that nobody did", double(std::max<int64_t>(0, n.grabs - kGrabs)), "", 0),
-              at_least("grab", "both fingers seen", seen, "%", 95)};
+  o.checks = {at_least("grab", english("grabs that were felt"), double(n.grabs), "", kGrabs),
+              at_most("grab", english("grabs that nobody did"), double(std::max<int64_t>(0, n.grabs - kGrabs)), "", 0),
+              at_least("grab", english("both fingers seen"), seen, "%", 95)};
   if (n.grabs < kGrabs)
-    o.advice = "not every grab was felt: close the fingers until their tips touch, hold for a second, open them wide";
+    o.advice =
+        english("not every grab was felt: close the fingers until their tips touch, hold for a second, open them wide");
   else if (n.grabs > kGrabs)
-    o.advice = "more grabs were felt than three: do the step \"hand\" again with the hand as it works";
+    o.advice = english("more grabs were felt than three: do the step \"hand\" again with the hand as it works");
   else if (seen < 95)
-    o.advice = "a finger was lost from sight: turn the hand so that both sensors are free";
+    o.advice = english("a finger was lost from sight: turn the hand so that both sensors are free");
   return o;
 }
 
@@ -261,74 +270,82 @@ StepOutcome reach(std::span<const Sample> samples, double, Calibration& c) {
     low = low.cwiseMin(p), high = high.cwiseMax(p), t_ns.push_back(s.t_ns);
   }
   const Vec3 wide = readings.empty() ? Vec3(Vec3::Zero()) : Vec3(high - low);
-  constexpr const char* name[3] = {"from left to right", "from far to near", "from the table upwards"};
+  constexpr const char* name[3] = {english("from left to right"), english("from far to near"),
+                                   english("from the table upwards")};
   for (int k = 0; k < 3; ++k) o.checks.push_back(at_least("reach", name[k], wide[k], "mm", kReach_mm[k]));
-  o.checks.push_back(at_most("reach", "longest gap at its rim", longest_gap_ms(t_ns), "ms", kLongestGap_ms));
+  o.checks.push_back(at_most("reach", english("longest gap at its rim"), longest_gap_ms(t_ns), "ms", kLongestGap_ms));
   if (longest_gap_ms(t_ns) > kLongestGap_ms)
-    o.advice = "the hand was lost from sight on its way: move the transmitter nearer, or what stands between";
+    o.advice = english("the hand was lost from sight on its way: move the transmitter nearer, or what stands between");
   else if (!o.good())
-    o.advice = "go as far as you will work: left, right, away from you, near, and a hand's width up";
+    o.advice = english("go as far as you will work: left, right, away from you, near, and a hand's width up");
   return o;
 }
 
 constexpr RoomStep kRest{"rest",
-                         "Hands off",
-                         "Lay the devices on the table where the patient will be, and take your hands away.",
-                         "So one sees how steady they are.",
+                         english("Hands off"),
+                         english("Lay the devices on the table where the patient will be, and take your hands away."),
+                         english("So one sees how steady they are."),
                          5,
                          false,
                          rest};
-constexpr RoomStep kTip{"tip",
-                        "The tip of the stylus",
-                        "Stand the tip in a small hollow (of a screw, of a block) and lean the stylus slowly round to "
-                        "all sides, the tip staying where it is.",
-                        "So the program knows how far the tip is from the sensor.",
-                        15,
-                        true,
-                        tip};
+constexpr RoomStep kTip{
+    "tip",
+    english("The tip of the stylus"),
+    english("Stand the tip in a small hollow (of a screw, of a block) and lean the stylus slowly round to "
+            "all sides, the tip staying where it is."),
+    english("So the program knows how far the tip is from the sensor."),
+    15,
+    true,
+    tip};
 constexpr RoomStep kTable{
     "table",
-    "Where the table is",
-    "Fold a sheet of A4 paper twice, so that its creases cross in the middle. Unfold it and lay it where the patient "
-    "will be, a long side towards you. Touch with the tip, pressing the switch for half a second each: the far left "
-    "corner, the far right, the near right, the near left, then the middle. Leave the sheet where it is.",
-    "So the patient lies where your hand is. The middle checks the corners.",
+    english("Where the table is"),
+    english("Fold a sheet of A4 paper twice, so that its creases cross in the middle. Unfold it and lay it where the "
+            "patient "
+            "will be, a long side towards you. Touch with the tip, pressing the switch for half a second each: the far "
+            "left "
+            "corner, the far right, the near right, the near left, then the middle. Leave the sheet where it is."),
+    english("So the patient lies where your hand is. The middle checks the corners."),
     40,
     true,
     on_table,
     5};
-constexpr RoomStep kHand{"hand",
-                         "The hand of the glove",
-                         "Open the hand wide and hold it for a second, then close forefinger and thumb and hold them "
-                         "for a second; four times.",
-                         "So the program knows your open and your closed hand.",
-                         12,
-                         true,
-                         hand};
-constexpr RoomStep kStroke{"stroke",
-                           "A stroke",
-                           "Put the tip on the far left corner of the sheet, press the switch, draw slowly along the "
-                           "edge to the far right corner, and let go.",
-                           "So one sees that a cut will lie where it is drawn, in one piece.",
-                           12,
-                           false,
-                           stroke,
-                           1};
-constexpr RoomStep kGrab{"grab",
-                         "A grab",
-                         "Close the hand as if you took hold of skin, hold for a second, open it; three times.",
-                         "So one sees that each grab is felt, and no other.",
-                         10,
-                         false,
-                         grab};
-constexpr RoomStep kReach{"reach",
-                          "How far you reach",
-                          "Carry the tip slowly over the table as far as you will work: left, right, away from you, "
-                          "near, and a hand's width up.",
-                          "So one sees that the hand is seen wherever it works.",
-                          12,
-                          false,
-                          reach};
+constexpr RoomStep kHand{
+    "hand",
+    english("The hand of the glove"),
+    english("Open the hand wide and hold it for a second, then close forefinger and thumb and hold them "
+            "for a second; four times."),
+    english("So the program knows your open and your closed hand."),
+    12,
+    true,
+    hand};
+constexpr RoomStep kStroke{
+    "stroke",
+    english("A stroke"),
+    english("Put the tip on the far left corner of the sheet, press the switch, draw slowly along the "
+            "edge to the far right corner, and let go."),
+    english("So one sees that a cut will lie where it is drawn, in one piece."),
+    12,
+    false,
+    stroke,
+    1};
+constexpr RoomStep kGrab{
+    "grab",
+    english("A grab"),
+    english("Close the hand as if you took hold of skin, hold for a second, open it; three times."),
+    english("So one sees that each grab is felt, and no other."),
+    10,
+    false,
+    grab};
+constexpr RoomStep kReach{
+    "reach",
+    english("How far you reach"),
+    english("Carry the tip slowly over the table as far as you will work: left, right, away from you, "
+            "near, and a hand's width up."),
+    english("So one sees that the hand is seen wherever it works."),
+    12,
+    false,
+    reach};
 
 }  // namespace
 

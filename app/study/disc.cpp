@@ -16,6 +16,7 @@
 #include "app/assembly/operation.h"
 #include "app/study/study.h"
 #include "app/study/wound.h"
+#include "app/words/words.h"
 #include "sim/patient/soft_tissue.h"
 
 namespace limberg::study {
@@ -104,7 +105,7 @@ std::vector<Bar> disc_bars(const std::vector<Row>& rows) {
     if (r.at("along") > r.at("across")) elongation = std::min(elongation, r.at("hole_along_over_across"));
   }
   std::vector<Bar> out{
-      at_most("largest relative residual", residual, 1e-4, "the tissue counts as at rest, as in operate"),
+      at_most(english("largest relative residual"), residual, 1e-4, "the tissue counts as at rest, as in operate"),
       at_most("pieces beyond disc and bed", pieces - 2, 0, "the disc is free, and nothing else is"),
       at_most("largest error of the shrinking, relative", error, 0.03,
               "area shrinks by 1 - 1/(l1 l2): a piece without hold undoes its prestretch"),
@@ -118,9 +119,9 @@ std::vector<Bar> disc_bars(const std::vector<Row>& rows) {
 
 std::vector<NamedChart> disc_charts(const std::vector<Row>& rows) {
   NamedChart c;
-  c.name = "disc", c.title = "Shrinking of a freed disc";
-  c.chart.description = "Share of the area lost against 1 - 1/(l1 l2)";
-  c.chart.x.title = "1 - 1/(λ₁ λ₂)", c.chart.y.title = "share of the area lost";
+  c.name = "disc", c.title = english("Shrinking of a freed disc");
+  c.chart.description = english("Share of the area lost against 1 - 1/(l1 l2)");
+  c.chart.x.title = english("1 - 1/(λ₁ λ₂)"), c.chart.y.title = english("share of the area lost");
   ChartSeries theory{"theory", {}, {}, false};
   for (const Row& r : rows) {
     const std::string name = fmt::format("cells of {:g} mm", r.at("cell_mm"));
@@ -142,7 +143,7 @@ std::vector<NamedChart> disc_charts(const std::vector<Row>& rows) {
 
 Family disc() {
   return {"disc",
-          "A disc of stretched skin, cut round and undermined: how far it shrinks against 1 - 1/(l1 l2)",
+          english("A disc of stretched skin, cut round and undermined: how far it shrinks against 1 - 1/(l1 l2)"),
           {{"along", "stretch l1 that the skin carries along x", {1.05, 1.1, 1.2}, 1.005, 1.5},
            {"across", "stretch l2 across", {1.05, 1.1}, 1.005, 1.5},
            {"cell_mm", "size of the lattice's cells", {3.5, 2.5}, 1.5, 8},

@@ -6,6 +6,7 @@
 
 #include "app/study/flaps.h"
 #include "app/study/patch.h"
+#include "app/words/words.h"
 #include "sim/commands/procedures/catalogue.h"
 #include "sim/geometry/vec.h"
 
@@ -81,8 +82,8 @@ std::vector<Bar> bars_fusiform(const std::vector<Row>& rows) {
   for (const auto& g : groups(rows, "ratio", kFusiform))
     for (size_t i = 1; i < g.size(); ++i) fall = std::min(fall, g[i - 1]->at("ear_mm") - g[i]->at("ear_mm"));
   std::vector<Bar> out{
-      at_most("largest relative residual", residual, 1e-4, "at rest, as in operate"),
-      at_most("largest gap, mm", gap, 0.2, "closed"),
+      at_most(english("largest relative residual"), residual, 1e-4, english("at rest, as in operate")),
+      at_most(english("largest gap, mm"), gap, 0.2, english("closed")),
       // Displacements run straight through a cell. A bent edge that is held at more
       // places than there are cells cannot lie on the other one everywhere: some stitches
       // pull, those between them push, and what they add up to is no closing force.
@@ -101,17 +102,17 @@ std::vector<Bar> bars_fusiform(const std::vector<Row>& rows) {
 }
 
 std::vector<NamedChart> charts_fusiform(const std::vector<Row>& rows) {
-  return {
-      chart("dog-ear", "Height of the dog-ears", rows, "ratio", "length over width", "ear_mm", "height, mm", kFusiform),
-      chart("force", "Sum of the stitches' forces", rows, "ratio", "length over width", "closure_force_N", "force, N",
-            kFusiform)};
+  return {chart("dog-ear", english("Height of the dog-ears"), rows, "ratio", english("length over width"), "ear_mm",
+                english("height, mm"), kFusiform),
+          chart("force", english("Sum of the stitches' forces"), rows, "ratio", english("length over width"),
+                "closure_force_N", english("force, N"), kFusiform)};
 }
 
 }  // namespace
 
 Family fusiform() {
   return {"fusiform",
-          "Spindle-shaped excisions by their ratio of length to width",
+          english("Spindle-shaped excisions by their ratio of length to width"),
           {{"ratio", "length over width", {2, 3, 4, 5, 6}, 1.5, 8},
            {"prestretch", "of the skin, percent, in all directions", {5}, 0, 30},
            {"cell_mm", "size of the lattice's cells", {4}, 2, 8},

@@ -10,6 +10,7 @@
 #include "app/assembly/operation.h"
 #include "app/study/study.h"
 #include "app/study/wound.h"
+#include "app/words/words.h"
 #include "sim/patient/soft_tissue.h"
 
 namespace limberg::study {
@@ -96,7 +97,8 @@ std::vector<Bar> gape_bars(const std::vector<Row>& rows) {
         rise = std::min(rise, b.at("gape_mid_mm") - a.at("gape_mid_mm"));
     }
   }
-  out.push_back(at_most("largest relative residual", residual, 1e-4, "the tissue counts as at rest, as in operate"));
+  out.push_back(
+      at_most(english("largest relative residual"), residual, 1e-4, "the tissue counts as at rest, as in operate"));
   if (upright >= 0)
     out.push_back(
         at_most("90 degrees: difference of the banks over the gape", upright, 0.01,
@@ -114,9 +116,9 @@ std::vector<Bar> gape_bars(const std::vector<Row>& rows) {
 
 std::vector<NamedChart> gape_charts(const std::vector<Row>& rows) {
   NamedChart by, along;
-  by.name = "gape", by.title = "Gape at the middle";
-  by.chart.description = "Gape at the middle against prestretch, one line for each angle of the blade";
-  by.chart.x.title = "prestretch, %", by.chart.y.title = "gape, mm";
+  by.name = "gape", by.title = english("Gape at the middle");
+  by.chart.description = english("Gape at the middle against prestretch, one line for each angle of the blade");
+  by.chart.x.title = english("prestretch, %"), by.chart.y.title = english("gape, mm");
   by.chart.y.min = 0;
   for (const Row& r : rows) {
     std::string name = fmt::format("{:g}°", r.at("angle_deg"));
@@ -133,9 +135,9 @@ std::vector<NamedChart> gape_charts(const std::vector<Row>& rows) {
     it->x.push_back(r.at("prestretch_percent"));
     it->y.push_back(r.at("gape_mid_mm"));
   }
-  along.name = "gape-along", along.title = "Gape along the wound";
-  along.chart.description = "Gape along the wound, one line for each member";
-  along.chart.x.title = "along the wound, mm", along.chart.y.title = "gape, mm";
+  along.name = "gape-along", along.title = english("Gape along the wound");
+  along.chart.description = english("Gape along the wound, one line for each member");
+  along.chart.x.title = english("along the wound, mm"), along.chart.y.title = english("gape, mm");
   for (const Row& r : rows) along.chart.series.push_back(r.profile);
   return {by, along};
 }
@@ -144,7 +146,7 @@ std::vector<NamedChart> gape_charts(const std::vector<Row>& rows) {
 
 Family gape() {
   return {"gape",
-          "A straight incision in stretched skin: how far it gapes, by the blade's angle and the prestretch",
+          english("A straight incision in stretched skin: how far it gapes, by the blade's angle and the prestretch"),
           {{"angle_deg", "between blade and skin, 90 = upright", {90, 60, 45}, 30, 150},
            {"prestretch_percent", "of the skin, alike along and across the wound", {5, 10, 20}, 0, 40},
            {"cell_mm", "size of the lattice's cells", {2.5}, 1.5, 8},

@@ -19,6 +19,7 @@
 #include <sstream>
 
 #include "app/result/output.h"
+#include "app/words/words.h"
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/body/block.h"
@@ -202,9 +203,9 @@ std::vector<Bar> place_bars(const std::vector<Row>& rows) {
 
 std::vector<NamedChart> place_charts(const std::vector<Row>& rows) {
   NamedChart c;
-  c.name = "place", c.title = "Farthest corner from where it was meant";
+  c.name = "place", c.title = english("Farthest corner from where it was meant");
   c.chart.description = c.title + ", one line for each skin and mesh";
-  c.chart.x.title = "cells, mm", c.chart.y.title = "mm";
+  c.chart.x.title = english("cells, mm"), c.chart.y.title = english("mm");
   c.chart.y_marks = {{0.5, "bar"}};
   for (const Row& r : rows) {
     constexpr const char* kNames[] = {"plane", "cylinder", "sphere", "face"};
@@ -230,7 +231,8 @@ uint64_t inputs(const Values& v) {
 Family place_scripts() {
   return {
       "place",
-      "The same scripts on other meshes, lattices and skins: how far from where they were meant they cut and stitch",
+      english("The same scripts on other meshes, lattices and skins: how far from where they were meant they cut and "
+              "stitch"),
       {{"form",
         "0 plane, 1 cylinder and 2 sphere of 60 mm radius, 3 the face in the folder that LIMBERG_DATA names",
         {0, 1, 2},

@@ -9,6 +9,7 @@
 #include "app/study/flaps.h"
 #include "app/study/patch.h"
 #include "app/study/sewn_metric.h"
+#include "app/words/words.h"
 #include "sim/commands/plan_numbers.h"
 #include "sim/commands/procedures/catalogue.h"
 #include "sim/measure/skin_strain.h"
@@ -273,24 +274,25 @@ std::vector<Bar> bars_rhomboid(const std::vector<Row>& rows) {
     residual(r.at("residual")), gap(r.at("gap_max_mm"));
     if (r.at("flap_angle") == 60 && r.at("defect_angle") == 60) limberg[r.at("cell_mm")].push_back(&r);
   }
-  std::vector<Bar> out{at_most("largest relative residual", residual.most, 1e-4, "at rest, as in operate"),
-                       at_most("largest gap, mm", gap.most, 0.2, "closed")};
+  std::vector<Bar> out{
+      at_most(english("largest relative residual"), residual.most, 1e-4, english("at rest, as in operate")),
+      at_most(english("largest gap, mm"), gap.most, 0.2, english("closed"))};
   for (const auto& [cell, of_cell] : limberg) add_limberg(out, of_cell);
   return out;
 }
 
 std::vector<NamedChart> charts_rhomboid(const std::vector<Row>& rows) {
-  return {chart("force", "Strongest stitch", rows, "flap_angle", "angle of the flap's tip, degrees",
-                "suture_force_max_N", "force, N", kRhomboid),
-          chart("dog-ear", "Dog-ear at the donor's apex", rows, "flap_angle", "angle of the flap's tip, degrees",
-                "ear_donor_mm", "height, mm", kRhomboid)};
+  return {chart("force", english("Strongest stitch"), rows, "flap_angle", english("angle of the flap's tip, degrees"),
+                "suture_force_max_N", english("force, N"), kRhomboid),
+          chart("dog-ear", english("Dog-ear at the donor's apex"), rows, "flap_angle",
+                english("angle of the flap's tip, degrees"), "ear_donor_mm", english("height, mm"), kRhomboid)};
 }
 
 }  // namespace
 
 Family rhomboid() {
   return {"rhomboid",
-          "Rhomboid flaps of 20 mm sides by the angle of their tip (60: Limberg's; less: Webster's)",
+          english("Rhomboid flaps of 20 mm sides by the angle of their tip (60: Limberg's; less: Webster's)"),
           {{"flap_angle", "of the flap's tip, degrees", {30, 45, 60}, 20, 60},
            {"defect_angle", "of the defect, degrees; for Limberg's flap only", {60}, 40, 90},
            {"prestretch", "of the skin, percent, in all directions", {10}, 0, 30},

@@ -22,6 +22,7 @@
 #include "app/study/planar_law.h"
 #include "app/study/study.h"
 #include "app/study/wound.h"
+#include "app/words/words.h"
 #include "sim/base/error.h"
 #include "sim/patient/soft_tissue.h"
 
@@ -190,7 +191,8 @@ std::vector<Bar> stitches_bars(const std::vector<Row>& rows) {
   std::vector<Bar> out;
   double residual = 0, cracks = -1, settles = -1;
   for (const Row& r : rows) residual = std::max(residual, r.at("residual"));
-  out.push_back(at_most("largest relative residual", residual, 1e-4, "the tissue counts as at rest, as in operate"));
+  out.push_back(
+      at_most(english("largest relative residual"), residual, 1e-4, "the tissue counts as at rest, as in operate"));
 
   const auto least_rise = [&](const char* key) {
     double rise = 1e300;
@@ -232,12 +234,13 @@ std::vector<Bar> stitches_bars(const std::vector<Row>& rows) {
 
 std::vector<NamedChart> stitches_charts(const std::vector<Row>& rows) {
   NamedChart along;
-  along.name = "gape-between", along.title = "Gape along the two middle spacings";
-  along.chart.description = "Gape along the wound, one line for each member";
-  along.chart.x.title = "along the wound, mm", along.chart.y.title = "gape, mm", along.chart.y.min = 0;
+  along.name = "gape-between", along.title = english("Gape along the two middle spacings");
+  along.chart.description = english("Gape along the wound, one line for each member");
+  along.chart.x.title = english("along the wound, mm"), along.chart.y.title = english("gape, mm"),
+  along.chart.y.min = 0;
   for (const Row& r : rows) along.chart.series.push_back(r.profile);
-  return {chart("gape-spacing", "Gape in the middle between two stitches", rows, "spacing_mm", "spacing, mm",
-                "gape_between_mm", "gape, mm", kStitchParameters),
+  return {chart("gape-spacing", english("Gape in the middle between two stitches"), rows, "spacing_mm",
+                english("spacing, mm"), "gape_between_mm", english("gape, mm"), kStitchParameters),
           along};
 }
 
@@ -245,7 +248,7 @@ std::vector<NamedChart> stitches_charts(const std::vector<Row>& rows) {
 
 Family stitches() {
   return {"stitches",
-          "A sewn incision in stretched skin: how far its edges gape between the stitches",
+          english("A sewn incision in stretched skin: how far its edges gape between the stitches"),
           {{"kind",
             "0: single stitches, 1: one running thread, 2: buried 1 mm deep, 3: single over buried",
             {0, 1, 2, 3},

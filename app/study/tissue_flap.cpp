@@ -13,6 +13,7 @@
 #include "app/assembly/patient_of_scene.h"
 #include "app/study/flaps.h"
 #include "app/study/patch.h"
+#include "app/words/words.h"
 #include "sim/base/error.h"
 #include "sim/commands/procedures/catalogue.h"
 #include "sim/commands/procedures/operation.h"
@@ -133,45 +134,46 @@ std::vector<Bar> bars_of_tissue(const std::vector<Row>& rows) {
   double residual = 0, gap = 0;
   for (const Row& r : rows)
     residual = std::max(residual, r.at("residual")), gap = std::max(gap, r.at("suture_gap_max_mm"));
-  return {at_most("largest relative residual", residual, kAtRestOfTissue, "at rest"),
-          at_most("largest gap of a stitch, mm", gap, 0.2, "closed")};
+  return {at_most(english("largest relative residual"), residual, kAtRestOfTissue, english("at rest")),
+          at_most(english("largest gap of a stitch, mm"), gap, 0.2, english("closed"))};
 }
 
 std::vector<NamedChart> charts_of_tissue(const std::vector<Row>& rows) {
   std::vector<std::string> parameters;
   for (const Parameter& p : tissue_flap().parameters) parameters.push_back(p.name);
-  return {chart("force", "Closure force", rows, "skin_kPa", "stiffness of the skin, kPa", "closure_force_N", "force, N",
-                parameters)};
+  return {chart("force", english("Closure force"), rows, "skin_kPa", english("stiffness of the skin, kPa"),
+                "closure_force_N", english("force, N"), parameters)};
 }
 
 }  // namespace
 
 Family tissue_flap() {
-  Family f{"tissue",
-           "The shipped rhomboid flap by what is not known of the tissue, and by where the lattice's cells lie",
-           {{"flap_angle", "of the flap's tip, degrees (60: Limberg's; less: Webster's)", {60}, 20, 60},
-            {"skin_kPa", "Young's modulus of the skin", {60}, 2, 2000},
-            {"prestretch_percent",
-             "of the skin along its tension lines; across, and of the fat, in the scene's proportion",
-             {10},
-             0.1,
-             40},
-            {"thickness_mm", "of the skin", {1.5}, 0.4, 4},
-            {"poisson", "ratio of both layers", {0.45}, 0.3, 0.495},
-            {"fat_kPa", "Young's modulus of the fat with its septa", {15}, 0.5, 200},
-            {"seed", "of where in a cell of the lattice the figure's origin lies; 0: on the chart's", {0}, 0, 1000000},
-            {"cell_mm", "size of the lattice's cells", {5}, 1.5, 12},
-            {"halvings", "of the cells at the wound", {2}, 0, 3},
-            {"skin_mm", "size of the skin's triangles", {0.8}, 0.6, 4},
-            {"contact", "1: wound surfaces keep each other out", {1}, 0, 1},
-            {"quick",
-             "1: hooks go in steps of 10 mm, nothing settles on the way, at rest to 1e-4; 0: as in operate",
-             {0},
-             0,
-             1}},
-           run_tissue,
-           bars_of_tissue,
-           charts_of_tissue};
+  Family f{
+      "tissue",
+      english("The shipped rhomboid flap by what is not known of the tissue, and by where the lattice's cells lie"),
+      {{"flap_angle", "of the flap's tip, degrees (60: Limberg's; less: Webster's)", {60}, 20, 60},
+       {"skin_kPa", "Young's modulus of the skin", {60}, 2, 2000},
+       {"prestretch_percent",
+        "of the skin along its tension lines; across, and of the fat, in the scene's proportion",
+        {10},
+        0.1,
+        40},
+       {"thickness_mm", "of the skin", {1.5}, 0.4, 4},
+       {"poisson", "ratio of both layers", {0.45}, 0.3, 0.495},
+       {"fat_kPa", "Young's modulus of the fat with its septa", {15}, 0.5, 200},
+       {"seed", "of where in a cell of the lattice the figure's origin lies; 0: on the chart's", {0}, 0, 1000000},
+       {"cell_mm", "size of the lattice's cells", {5}, 1.5, 12},
+       {"halvings", "of the cells at the wound", {2}, 0, 3},
+       {"skin_mm", "size of the skin's triangles", {0.8}, 0.6, 4},
+       {"contact", "1: wound surfaces keep each other out", {1}, 0, 1},
+       {"quick",
+        "1: hooks go in steps of 10 mm, nothing settles on the way, at rest to 1e-4; 0: as in operate",
+        {0},
+        0,
+        1}},
+      run_tissue,
+      bars_of_tissue,
+      charts_of_tissue};
   f.outcomes = {"closure_force_N", "suture_force_max_N", "wound_gape_mm",
                 "dog_ear_mm",      "stretch_p99",        "stress_p95_kPa"};
   return f;

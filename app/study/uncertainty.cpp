@@ -10,6 +10,7 @@
 
 #include "app/report/parts.h"
 #include "app/study/sensitivity.h"
+#include "app/words/words.h"
 #include "sim/base/error.h"
 
 namespace limberg::study {
@@ -148,7 +149,7 @@ std::vector<NamedChart> spread_charts(const SampledStudy& study, const Family& f
     NamedChart c;
     c.name = "spread-" + figure, c.title = capital(spoken(figure));
     c.chart.description = "Share of the members below each value: " + spoken(figure);
-    c.chart.x.title = spoken(figure), c.chart.y.title = "members below, %";
+    c.chart.x.title = spoken(figure), c.chart.y.title = english("members below, %");
     c.chart.y.min = 0, c.chart.y.max = 100;
     c.chart.y_marks = {{5, "5 %"}, {50, "median"}, {95, "95 %"}};
     for (const SampledCase& one : study.cases) {

@@ -8,6 +8,7 @@
 
 #include "app/study/patch.h"
 #include "app/study/seams.h"
+#include "app/words/words.h"
 #include "sim/commands/procedures/catalogue.h"
 #include "sim/geometry/vec.h"
 
@@ -143,18 +144,19 @@ std::string short_name(std::string name) {
 }
 
 std::vector<NamedChart> charts_z(const std::vector<Row>& rows) {
-  std::vector<NamedChart> out{chart("elongation", "Elongation of the central limb", rows, "angle", "angle, degrees",
-                                    "elongation", "times its length", kKeys),
-                              chart("dog-ear", "Height of the dog-ears", rows, "angle", "angle, degrees", "ear_mm",
-                                    "height, mm; dashed: stands up", kKeys),
-                              chart("dog-ear-by-prestretch", "Height of the dog-ears", rows, "prestretch",
-                                    "prestretch, percent", "ear_mm", "height, mm; dashed: stands up", kKeys),
-                              chart("efficiency", "Gain for the work of closing", rows, "angle", "angle, degrees",
-                                    "gain_per_root_work", "gain over root of the work, 1/√µJ", kKeys),
-                              chart("strain-efficiency", "Gain for the largest strain", rows, "angle", "angle, degrees",
-                                    "efficiency", "gain over strain, times sine of the angle", kKeys),
-                              chart("ear-efficiency", "Gain for the dog-ear", rows, "angle", "angle, degrees",
-                                    "elongation", "gain over height, 1/mm", kKeys)};
+  std::vector<NamedChart> out{
+      chart("elongation", english("Elongation of the central limb"), rows, "angle", english("angle, degrees"),
+            "elongation", english("times its length"), kKeys),
+      chart("dog-ear", english("Height of the dog-ears"), rows, "angle", english("angle, degrees"), "ear_mm",
+            english("height, mm; dashed: stands up"), kKeys),
+      chart("dog-ear-by-prestretch", english("Height of the dog-ears"), rows, "prestretch",
+            english("prestretch, percent"), "ear_mm", english("height, mm; dashed: stands up"), kKeys),
+      chart("efficiency", english("Gain for the work of closing"), rows, "angle", english("angle, degrees"),
+            "gain_per_root_work", english("gain over root of the work, 1/√µJ"), kKeys),
+      chart("strain-efficiency", english("Gain for the largest strain"), rows, "angle", english("angle, degrees"),
+            "efficiency", english("gain over strain, times sine of the angle"), kKeys),
+      chart("ear-efficiency", english("Gain for the dog-ear"), rows, "angle", english("angle, degrees"), "elongation",
+            english("gain over height, 1/mm"), kKeys)};
   // The last is of a quotient: the group's rows come in the order of the points.
   const auto by_angle = groups(rows, "angle", kKeys);
   for (size_t g = 0; g < by_angle.size(); ++g)
@@ -179,11 +181,11 @@ std::vector<NamedChart> charts_z(const std::vector<Row>& rows) {
 }
 
 std::vector<NamedChart> charts_planar(const std::vector<Row>& rows) {
-  NamedChart gain = chart("gain", "Share of the theoretical gain", rows, "angle", "angle, degrees", "gain_of_theory",
-                          "gain over theory", kKeys);
+  NamedChart gain = chart("gain", english("Share of the theoretical gain"), rows, "angle", english("angle, degrees"),
+                          "gain_of_theory", english("gain over theory"), kKeys);
   gain.chart.y_marks = {{0.53, "membrane of triangles"}};
-  return {chart("elongation", "Elongation of the central limb", rows, "angle", "angle, degrees", "elongation",
-                "times its length", kKeys),
+  return {chart("elongation", english("Elongation of the central limb"), rows, "angle", english("angle, degrees"),
+                "elongation", english("times its length"), kKeys),
           gain};
 }
 
@@ -223,7 +225,7 @@ Row run_planar(const Values& v, const Run& with) {
 
 Family zplasty() {
   return {"zplasty",
-          "Z-plasties of 20 mm limbs by angle and prestretch: what they gain, and where the skin stands up",
+          english("Z-plasties of 20 mm limbs by angle and prestretch: what they gain, and where the skin stands up"),
           {{"angle", "of both flaps, degrees", {30, 45, 60, 75, 90}, 20, 100},
            {"prestretch", "of the skin, percent, in all directions", {0, 5, 10, 15}, 0, 30},
            {"cell_mm", "size of the lattice's cells", {3.5}, 2, 8},
@@ -239,32 +241,33 @@ Family zplasty() {
 }
 
 Family plate() {
-  return {"plate",
-          "The same Z-plasties in a flap of nothing but 1.5 mm of skin: on a bed that it can rise from, or with "
-          "nothing beneath it",
-          {{"angle", "of both flaps, degrees", {30, 45, 60, 75, 90}, 20, 100},
-           {"prestretch", "of the skin, percent, in all directions", {0, 5, 10, 15}, 0, 30},
-           {"cell_mm", "size of the lattice's cells; at most 1.5 without a bed", {3.5}, 1, 5},
-           {"bed",
-            "1: fat, which it is raised from by a limb around the figure; 0: nothing, held at five limbs",
-            {1},
-            0,
-            1}},
-          run_plate,
-          bars_plate,
-          charts_z};
+  return {
+      "plate",
+      english("The same Z-plasties in a flap of nothing but 1.5 mm of skin: on a bed that it can rise from, or with "
+              "nothing beneath it"),
+      {{"angle", "of both flaps, degrees", {30, 45, 60, 75, 90}, 20, 100},
+       {"prestretch", "of the skin, percent, in all directions", {0, 5, 10, 15}, 0, 30},
+       {"cell_mm", "size of the lattice's cells; at most 1.5 without a bed", {3.5}, 1, 5},
+       {"bed",
+        "1: fat, which it is raised from by a limb around the figure; 0: nothing, held at five limbs",
+        {1},
+        0,
+        1}},
+      run_plate,
+      bars_plate,
+      charts_z};
 }
 
 Family planar() {
-  return {
-      "planar",
-      "The same Z-plasties in a membrane that cannot leave its plane, held at six limbs: the control of the elongation",
-      {{"angle", "of both flaps, degrees", {30, 45, 60, 75, 90}, 20, 100},
-       {"prestretch", "of the membrane, percent, in all directions", {0, 10}, 0, 30},
-       {"cell_mm", "size of the lattice's cells", {2.5}, 1, 8}},
-      run_planar,
-      bars_planar,
-      charts_planar};
+  return {"planar",
+          english("The same Z-plasties in a membrane that cannot leave its plane, held at six limbs: the control of "
+                  "the elongation"),
+          {{"angle", "of both flaps, degrees", {30, 45, 60, 75, 90}, 20, 100},
+           {"prestretch", "of the membrane, percent, in all directions", {0, 10}, 0, 30},
+           {"cell_mm", "size of the lattice's cells", {2.5}, 1, 8}},
+          run_planar,
+          bars_planar,
+          charts_planar};
 }
 
 }  // namespace limberg::study

@@ -21,8 +21,8 @@ html::Markup study(const ReportSource& source) {
   }
   body += html::table(html::Row(d.study_columns.begin(), d.study_columns.end()), rows);
   if (rows.size() < d.study_rows.size())
-    body += html::note("These are " + std::to_string(rows.size()) + " of " + std::to_string(d.study_rows.size()) +
-                       " members; rows.csv and result.json have all.");
+    body += html::note(
+        d.w("These are {} of {} members; rows.csv and result.json have all.", rows.size(), d.study_rows.size()));
   return html::section(d.w("What it came to"), body);
 }
 
