@@ -46,11 +46,13 @@ Rgb8 colour_of(ColourScale scale, double t) {
   return scale == ColourScale::signed_value ? diverging(2 * t - 1) : viridis(t);
 }
 
+double linear_light(double s) { return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4); }
+Vec3f linear_light(const Vec3f& srgb) {
+  return srgb.unaryExpr([](float s) { return float(linear_light(double(s))); });
+}
+
 double lightness(Rgb8 c) {
-  const auto linear = [](uint8_t v) {
-    const double s = v / 255.0;
-    return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
-  };
+  const auto linear = [](uint8_t v) { return linear_light(v / 255.0); };
   const double y = 0.2126 * linear(c.r) + 0.7152 * linear(c.g) + 0.0722 * linear(c.b);
   const double d = 6.0 / 29;
   return 116 * (y > d * d * d ? std::cbrt(y) : y / (3 * d * d) + 4.0 / 29) - 16;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "render/colour_map.h"
+
 namespace limberg {
 
 namespace {
@@ -179,7 +181,7 @@ namespace {
 std::array<uint8_t, 256> root_table() {
   std::array<uint8_t, 256> table{};
   for (size_t i = 0; i < table.size(); ++i) {
-    const double c = double(i) / 255, linear = c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+    const double linear = linear_light(double(i) / 255);
     table[i] = uint8_t(std::lround(255 * std::sqrt(linear)));
   }
   return table;

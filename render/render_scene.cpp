@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "render/colour_map.h"
 #include "render/glyphs.h"
 #include "render/stitches.h"
 
@@ -72,9 +73,7 @@ PropMesh colliders_of(const Body& body) {
   for (const auto& c : body.colliders) {
     const auto first = uint32_t(out.vertex.size());
     std::vector<Vec3> normal(c->mesh.X_mm.size(), Vec3::Zero());
-    const Vec3f colour = c->colour.unaryExpr([](float s) {  // IEC 61966-2-1
-      return s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f);
-    });
+    const Vec3f colour = linear_light(c->colour);
     for (const Tri& t : c->mesh.tri) {
       const Vec3& a = c->mesh.X_mm[size_t(t[0])];
       const Vec3 n = (c->mesh.X_mm[size_t(t[1])] - a).cross(c->mesh.X_mm[size_t(t[2])] - a);

@@ -25,7 +25,7 @@ Vec3f unit_rgb(Rgb8 c) { return Vec3f(float(c.r), float(c.g), float(c.b)) / 255.
 // Of an sRGB byte, as make_texture stores colours: the root of linear light.
 float root_of_light(uint8_t c) {
   const float v = float(c) / 255.0f;
-  return std::sqrt(v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f));
+  return float(std::sqrt(linear_light(double(v))));
 }
 
 // The lamp's view: an orthographic box around the scene, looking along the light.

@@ -2,6 +2,9 @@
 
 #include <cstdint>
 
+#include "render/colour_map.h"
+#include "sim/body/collider.h"
+
 namespace limberg {
 
 std::string glb_bytes(std::string json, const std::string& binary) {
@@ -12,6 +15,18 @@ std::string glb_bytes(std::string json, const std::string& binary) {
   word(uint32_t(json.size())), word(0x4E4F534A), out += json;
   word(uint32_t(binary.size())), word(0x004E4942), out += binary;
   return out;
+}
+
+GltfLook look_of(const Collider& c) {
+  const Vec3f rgb = linear_light(c.colour);
+  return {c.name.c_str(), double(rgb.x()), double(rgb.y()), double(rgb.z()), .5};
+}
+
+nlohmann::ordered_json gltf_material(const GltfLook& l) {
+  return {{"name", l.name},
+          {"pbrMetallicRoughness",
+           {{"baseColorFactor", {l.r, l.g, l.b, 1.0}}, {"metallicFactor", 0}, {"roughnessFactor", l.rough}}},
+          {"doubleSided", true}};
 }
 
 }  // namespace limberg

@@ -2,6 +2,7 @@
 // The container of a binary glTF 2.0 file, and how its parts look: what the animated export (gltf.h) and the model of a
 // page (page_model.h) have in common.
 #include <array>
+#include <nlohmann/json.hpp>
 #include <string>
 
 namespace limberg {
@@ -32,5 +33,11 @@ inline constexpr std::array<GltfLook, 8> kGltfLooks{{{"skin", .80, .55, .45, .6}
                                                      {"cut bone", .75, .45, .36, .7},
                                                      {"thread", .10, .14, .45, .5},
                                                      {"hook", .55, .56, .60, .3}}};
+
+struct Collider;
+/// How one looks; the name lasts as long as it does.
+GltfLook look_of(const Collider& c);
+
+nlohmann::ordered_json gltf_material(const GltfLook& look);
 
 }  // namespace limberg

@@ -17,16 +17,6 @@ using GltfJson = nlohmann::ordered_json;
 
 static_assert(std::endian::native == std::endian::little, "glTF is little endian");
 
-GltfJson gltf_materials() {
-  GltfJson out = GltfJson::array();
-  for (const GltfLook& l : kGltfLooks)
-    out.push_back({{"name", l.name},
-                   {"pbrMetallicRoughness",
-                    {{"baseColorFactor", {l.r, l.g, l.b, 1.0}}, {"metallicFactor", 0.0}, {"roughnessFactor", l.rough}}},
-                   {"doubleSided", true}});
-  return out;
-}
-
 /// The binary chunk and the JSON's lists that point into it.
 class GltfBuffer {
  public:
@@ -118,6 +108,7 @@ void GltfStory::add(double t_s, const std::string& name, const Snapshot& snapsho
   last_s_ = std::max(last_s_, t_s);
   if (!name.empty()) moments_.push_back({t_s, name});
   const SurfaceTopology& topology = *snapshot.topology;
+  if (topology.body) colliders_ = topology.body->colliders;
   const SurfaceView& view = topology.view;
   const auto surface_parts = [&] {
     static const char* const kNames[] = {"skin", "wound", "side", "face", "bone", "cut bone"};
@@ -202,6 +193,23 @@ std::string GltfStory::bytes(const std::string& title) const {
     if (s.until_s >= 0) step(s.until_s - first_s_, 0);
     if (t.size() > 1) sample(node, "scale", buffer.times(t), buffer.numbers(size, 3, "VEC3"), "STEP");
   }
+  GltfJson materials = GltfJson::array();
+  for (const GltfLook& l : kGltfLooks) materials.push_back(gltf_material(l));
+  for (const auto& c : colliders_) {
+    std::vector<Vec3f> x;
+    for (const Vec3& v : c->mesh.X_mm) x.push_back(v.cast<float>());
+    std::vector<uint32_t> index;
+    for (const Tri& t : c->mesh.tri)
+      for (const int32_t v : t) index.push_back(uint32_t(v));
+    GltfJson primitive{{"attributes", {{"POSITION", buffer.positions(x)}}},
+                       {"indices", buffer.indices(index)},
+                       {"material", materials.size()},
+                       {"mode", 4}};
+    meshes.push_back({{"name", c->name}, {"primitives", GltfJson::array({primitive})}});
+    children.push_back(int(nodes.size()) + 1);
+    nodes.push_back({{"name", c->name}, {"mesh", meshes.size() - 1}});
+    materials.push_back(gltf_material(look_of(*c)));
+  }
   // mm to m, z up to y up: a turn by -90 degrees about x.
   GltfJson root{{"name", title}, {"rotation", {-0.70710678, 0, 0, 0.70710678}}, {"scale", {.001, .001, .001}}};
   root["children"] = children;
@@ -213,7 +221,7 @@ std::string GltfStory::bytes(const std::string& title) const {
              {"scenes", GltfJson::array({{{"nodes", {0}}}})},
              {"nodes", nodes},
              {"meshes", meshes},
-             {"materials", gltf_materials()},
+             {"materials", materials},
              {"accessors", buffer.accessors},
              {"bufferViews", buffer.views},
              {"buffers", GltfJson::array({{{"byteLength", buffer.bytes.size()}}})}};

@@ -4,7 +4,7 @@
 //   Surface   for each version of the surface between two cuts a mesh with a primitive for each thing (skin, wound,
 //             side, face, bone); how it moves is morph targets, one for each further frame, run through by an
 //             animation. Nodes are shown in their time: their scale steps from 0 to 1 and back.
-//   Stitches and hooks are lines, in the same way.
+//   Stitches and hooks are lines, in the same way. Colliders are there once and do not move.
 //
 // Metres and y up, as glTF wants it: the root node scales mm and turns z up into y up. No normals: where none are given
 // a viewer shades each triangle flat, which stays right however a flap is turned. asset.extras lists the moments and
@@ -14,9 +14,11 @@
 // builds would save a hundred lines. Specification: Khronos, glTF 2.0, 2021; tests/app/export/test_gltf.cpp checks the
 // rules of its validator that can be broken here.
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "sim/body/collider.h"
 #include "sim/patient/snapshot.h"
 
 namespace limberg {
@@ -49,6 +51,7 @@ class GltfStory {
              const std::function<std::vector<Part>()>& parts, const char* name, bool lines);
 
   std::vector<Shape> shapes_;
+  std::vector<std::shared_ptr<const Collider>> colliders_;
   int last_[3] = {-1, -1, -1};  // of each series: the shape that is there now
   std::vector<std::pair<double, std::string>> moments_;
   int frames_ = 0;

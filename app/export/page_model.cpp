@@ -218,6 +218,23 @@ class PageWriter {
     if (t.size() > 1) sample(node, "scale", t, size, "VEC3", 3, "STEP");
   }
 
+  /// What does not move, in a material of its own.
+  void still(const Collider& c, const Vec3& low, double step_mm, int material) {
+    std::vector<Place> x(c.mesh.X_mm.size());
+    for (size_t v = 0; v < x.size(); ++v)
+      for (int k = 0; k < 3; ++k) x[v][size_t(k)] = int32_t(std::lround((c.mesh.X_mm[v][k] - low[k]) / step_mm));
+    std::vector<std::array<uint32_t, 3>> tri;
+    for (const Tri& t : c.mesh.tri) tri.push_back({uint32_t(t[0]), uint32_t(t[1]), uint32_t(t[2])});
+    meshes.push_back({{"name", c.name},
+                      {"primitives", PageJson::array({{{"attributes", {{"POSITION", buffer.places<uint16_t>(x, 5123)}}},
+                                                       {"indices", buffer.indices(tri, x.size())},
+                                                       {"material", material},
+                                                       {"mode", 4}}})},
+                      {"extras", {{"still", true}}}});
+    children.push_back(int(nodes.size()) + 2);
+    nodes.push_back({{"name", c.name}, {"mesh", meshes.size() - 1}});
+  }
+
  private:
   void sample(int node, const char* path, const std::vector<float>& t, const std::vector<float>& v, const char* kind,
               size_t components, const char* how) {
@@ -264,6 +281,11 @@ std::vector<uint8_t> field_bytes(const FieldShown& shown, const FieldShown& scal
       out[v] = uint8_t(std::lround(std::clamp((x - scale.lo) * per, 0.0, 255.0)));
   }
   return out;
+}
+
+/// What the tissue lies against; a head without skin has none.
+std::vector<std::shared_ptr<const Collider>> colliders_of_page(const Snapshot& s) {
+  return s.topology->body ? s.topology->body->colliders : std::vector<std::shared_ptr<const Collider>>();
 }
 
 double face_scale_end(const Snapshot& s) {
@@ -322,6 +344,9 @@ std::string PageModel::bytes(const std::string& title, const Camera& camera, dou
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::max()), high = -low;
   for (const Frame& f : frames_)
     for (const Vec3f& x : f.shown.x_mm) low = low.cwiseMin(x.cast<double>()), high = high.cwiseMax(x.cast<double>());
+  const std::vector<std::shared_ptr<const Collider>> colliders = colliders_of_page(frames_.back().shown);
+  for (const auto& c : colliders)
+    for (const Vec3& x : c->mesh.X_mm) low = low.cwiseMin(x), high = high.cwiseMax(x);
   const double step_mm = std::max(kPageStep_mm, (high - low).maxCoeff() / 32767);
 
   // The fields, on the scale of the last frame.
@@ -376,6 +401,13 @@ std::string PageModel::bytes(const std::string& title, const Camera& camera, dou
             last, frames_.size() > 1);
   }
 
+  PageJson materials = PageJson::array();
+  for (const GltfLook& l : kGltfLooks) materials.push_back(gltf_material(l));
+  for (const auto& c : colliders) {
+    w.still(*c, low, step_mm, int(materials.size()));
+    materials.push_back(gltf_material(look_of(*c)));
+  }
+
   PageJson told_fields = PageJson::array();
   for (const PageField& f : fields) {
     const SkinFieldLook& look = look_of(f.field);
@@ -414,13 +446,6 @@ std::string PageModel::bytes(const std::string& title, const Camera& camera, dou
     extras["layers"] = {{"range_mm", kLayers_mm}, {"srgb", hex_of(rgb)}};
   }
 
-  PageJson materials = PageJson::array();
-  for (const GltfLook& l : kGltfLooks)
-    materials.push_back(
-        {{"name", l.name},
-         {"pbrMetallicRoughness",
-          {{"baseColorFactor", {l.r, l.g, l.b, 1.0}}, {"metallicFactor", 0}, {"roughnessFactor", l.rough}}},
-         {"doubleSided", true}});
   // mm to m, z up to y up: a turn by -90 degrees about x; below it steps to mm.
   PageJson steps{{"scale", {step_mm, step_mm, step_mm}}, {"translation", {low.x(), low.y(), low.z()}}};
   steps["children"] = w.children;

@@ -49,8 +49,8 @@ Camera report_camera(const Snapshot& last);
 inline constexpr double kReportAspect = 1280. / 720, kHeadAspect = 1;
 
 /// Draws DIR/stages/NN-name.png, DIR/overview.png and DIR/tension.png (report_names.h), all with one camera on what was
-/// operated, and with words in one language. Says in one line when pictures cannot be made here; InputError when a file cannot be written. False: a
-/// person has ended it meanwhile, and the pictures so far are there.
+/// operated, and with words in one language. Says in one line when pictures cannot be made here; InputError when a file
+/// cannot be written. False: a person has ended it meanwhile, and the pictures so far are there.
 bool draw_report_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& last,
                           const Words& w = {});
 

@@ -151,7 +151,8 @@ Viewer viewer(const std::vector<ViewedOperation>& operations, const Words& w) {
   const auto tell = [&](const std::string& text) {
     if (const std::string s = w.said(text); w.language() != "en" && s != text) words[text] = s;
   };
-  for (const char* text : kViewerTexts) tell(text);
+  if (w.language() != "en")
+    for (const char* text : kViewerTexts) words[text] = w(text);  // with their places, which the page fills
   Hash64 hash;
   for (const ViewedOperation& o : operations) {
     const std::string file = (std::filesystem::path(o.dir) / report_names::model).string();

@@ -60,7 +60,14 @@ function numbers(file, accessor) {
 
 function readModel(file) {
   const told = file.json.asset.extras;
-  const shapes = file.json.meshes.map((mesh) => {
+  const still = file.json.meshes.filter((mesh) => mesh.extras.still).map((mesh) => {
+    const p = mesh.primitives[0];
+    return {
+      base: numbers(file, p.attributes.POSITION), index: numbers(file, p.indices),
+      rgb: file.json.materials[p.material].pbrMetallicRoughness.baseColorFactor.slice(0, 3)
+    };
+  });
+  const shapes = file.json.meshes.filter((mesh) => !mesh.extras.still).map((mesh) => {
     const first = mesh.primitives[0], named = first.attributes, about = mesh.extras;
     return {
       at: about.at, from: about.from, until: about.until,
@@ -75,7 +82,7 @@ function readModel(file) {
   });
   for (const frame of told.frames)
     for (const s of frame.stitches || []) s.path = evenly(s.path, 7);
-  return {told, shapes};
+  return {told, shapes, still};
 }
 
 /// So many places at even distances on a way.
@@ -274,6 +281,21 @@ function colourTable(hex) {
   return t;
 }
 
+/// What the tissue lies against.
+function stillMesh(s, told, material) {
+  const n = s.base.length / 4, x = new Float32Array(3 * n), rgb = new Float32Array(3 * n);
+  for (let v = 0; v < n; ++v)
+    for (let k = 0; k < 3; ++k) x[3 * v + k] = told.low_mm[k] + told.step_mm * s.base[4 * v + k], rgb[3 * v + k] = s.rgb[k];
+  const g = new THREE.BufferGeometry();
+  g.setAttribute('position', new THREE.BufferAttribute(x, 3));
+  g.setAttribute('rgba', new THREE.BufferAttribute(rgb, 3));
+  g.setIndex(new THREE.BufferAttribute(s.index, 1));
+  g.computeVertexNormals();
+  const mesh = new THREE.Mesh(g, material);
+  mesh.frustumCulled = false;
+  return mesh;
+}
+
 // ---- one patient -----------------------------------------------------------------------------------------------------
 
 class Patient {
@@ -298,6 +320,7 @@ class Patient {
     this.things = new THREE.Mesh(new THREE.BufferGeometry(), look('things', this.uniforms, false, false));
     this.things.frustumCulled = false;
     this.scene.add(this.things);
+    for (const s of model.still) this.scene.add(stillMesh(s, this.told, this.things.material));
     this.shown = -1;
     this.field = -1;
     this.face = this.shapes.some((s) => s.parts.some((p) => p.name === 'face')) ? 'clear' : null;

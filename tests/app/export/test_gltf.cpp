@@ -221,6 +221,39 @@ TEST(Gltf, PlaysTheOperation) {
   EXPECT_EQ(g.j["meshes"][0]["primitives"].size() + 1, g.j["meshes"][1]["primitives"].size());
 }
 
+TEST(Gltf, WhatTheTissueLiesAgainstIsThereAndStill) {
+  InlineWorkers workers;
+  WorldSpec spec = test::small_block();
+  auto body = std::make_shared<Body>(*spec.body);
+  body->colliders.push_back(
+      parse_collider("v 40 0 0\nv 48 0 0\nv 40 8 0\nv 40 0 8\n"
+                     "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n",
+                     {"wedge.obj"}));
+  spec.body = body;
+  World world(spec, workers);
+  GltfStory story;
+  Snapshot seen;
+  world.fill(seen);
+  story.add(0, "before", seen);
+  ASSERT_TRUE(world.apply(Incise{{{-15, 0}, {15, 0}}, 4}).done);
+  settle(world);
+  world.fill(seen);
+  story.add(1, "open", seen);
+  const Glb g = read(story.bytes("block"));
+  expect_valid(g);
+  int wedges = 0;
+  for (const auto& mesh : g.j["meshes"]) {
+    if (mesh["name"] != body->colliders[0]->name) continue;
+    ++wedges;
+    const auto& places = g.j["accessors"][mesh["primitives"][0]["attributes"]["POSITION"].get<size_t>()];
+    EXPECT_EQ(places["count"], 4);
+    EXPECT_EQ(places["min"], nlohmann::json({40.0, 0.0, 0.0}));
+    EXPECT_EQ(places["max"], nlohmann::json({48.0, 8.0, 8.0}));
+    EXPECT_FALSE(mesh.contains("weights"));
+  }
+  EXPECT_EQ(wedges, 1);
+}
+
 TEST(Gltf, OneMomentStandsStill) {
   InlineWorkers workers;
   const World world(test::small_block(), workers);

@@ -175,6 +175,42 @@ TEST(PageModel, EveryStageActStitchAndFieldIsThere) {
   }
 }
 
+/// A small block before a wedge of four corners, white and half as bright.
+WorldSpec block_before_a_wedge() {
+  WorldSpec spec = test::small_block();
+  auto body = std::make_shared<Body>(*spec.body);
+  body->colliders.push_back(
+      parse_collider("v 40 0 0\nv 48 0 0\nv 40 8 0\nv 40 0 8\n"
+                     "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n",
+                     {"wedge.obj", 1, Vec3f(1, 0.5f, 0)}));
+  spec.body = body;
+  return spec;
+}
+
+TEST(PageModel, WhatTheTissueLiesAgainstIsThereOnce) {
+  InlineWorkers workers;
+  World world(block_before_a_wedge(), workers);
+  PageModel model("act");
+  Snapshot seen;
+  world.fill(seen);
+  model.frame(0, seen);
+  const Model m(model.bytes("block", somewhere(), 16. / 9));
+  ASSERT_EQ(m.j["meshes"].size(), 2u);  // the skin of one frame, the wedge
+  EXPECT_EQ(m.j["meshes"][1]["extras"], json({{"still", true}}));
+  const std::vector<Vec3> at = m.places(1, 0);
+  ASSERT_EQ(at.size(), 4u);
+  const double half = m.j["nodes"][1]["scale"][0].get<double>() * .5000001;
+  for (size_t v = 0; v < 4; ++v)
+    EXPECT_LE((at[v] - world.skin()->spec().body->colliders[0]->mesh.X_mm[v]).cwiseAbs().maxCoeff(), half);
+  EXPECT_EQ(m.numbers<uint16_t>(m.first(1)["indices"]).size(), 12u);
+  // sRGB .5 is .2140 in linear light (IEC 61966-2-1).
+  const json rgb = m.j["materials"][m.first(1)["material"].get<size_t>()]["pbrMetallicRoughness"]["baseColorFactor"];
+  EXPECT_NEAR(rgb[0].get<double>(), 1, 1e-6);
+  EXPECT_NEAR(rgb[1].get<double>(), .2140, 5e-5);
+  EXPECT_EQ(rgb[2].get<double>(), 0);
+  for (const json& child : m.j["nodes"][1]["children"]) EXPECT_LT(child.get<size_t>(), m.j["nodes"].size());
+}
+
 TEST(PageModel, FramesBetweenStagesGiveWayToSize) {
   InlineWorkers workers;
   World world(test::small_block(), workers);

@@ -10,6 +10,7 @@
 #include "app/program/places.h"
 #include "app/report/report.h"
 #include "app/report/viewer.h"
+#include "app/words/chosen_words.h"
 #include "sim/base/error.h"
 #include "tests/app/report/xml_check.h"
 
@@ -117,6 +118,14 @@ TEST_F(ViewerPage, HoldsTheModelAndFetchesNothing) {
   EXPECT_NE(html.find("<noscript>"), std::string::npos);
   EXPECT_EQ(html.find(" src=\"http"), std::string::npos);
   EXPECT_LT(html.size(), without.size() + 1'000'000);  // what every page pays
+}
+
+TEST_F(ViewerPage, SaysAllItSaysInItsLanguage) {
+  if (!viewer_is_built()) GTEST_SKIP() << "built without three.js (libjs-three)";
+  std::ofstream(dir / "model.glb", std::ios::binary) << glb();
+  const Viewer v = viewer({{"one", dir.string()}}, chosen_words({"de", ""}));
+  EXPECT_NE(v.section.tags().find("\"act {} of {}\":\"Handlung {} von {}\""), std::string::npos);
+  EXPECT_NE(v.section.tags().find("\"Play\":\"Abspielen\""), std::string::npos);
 }
 
 TEST_F(ViewerPage, StaysWithoutWhatIsDamaged) {
