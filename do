@@ -19,7 +19,7 @@ cd "$(dirname "$0")"
 
 packages=(build-essential cmake ninja-build ccache
   libeigen3-dev libsuitesparse-dev libmetis-dev libopenblas-dev liblcm-dev liblcm-bin
-  libosmesa6-dev libgl-dev libglfw3-dev libimgui-dev pkg-config libfreetype-dev fonts-dejavu-core libpng-dev zlib1g-dev
+  libosmesa6-dev libgl-dev libglfw3-dev libimgui-dev pkg-config libfreetype-dev fonts-dejavu-core libpng-dev libjpeg-dev zlib1g-dev
   libtomlplusplus-dev nlohmann-json3-dev libcli11-dev libfmt-dev libgtest-dev libboost-dev libbullet-dev libgdcm-dev
   libjs-three  # put into report.html, to turn operations
   xvfb)  # the tests of the window open it where there is no screen

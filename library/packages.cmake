@@ -31,7 +31,7 @@ set(CPACK_COMPONENT_DEV_DESCRIPTION "Limberg's library: headers, archives, find_
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME liblimberg-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS
-  "libeigen3-dev, libfmt-dev, zlib1g-dev, libsuitesparse-dev, libmetis-dev, limberg-data ${version}")
+  "libeigen3-dev, libfmt-dev, zlib1g-dev, libpng-dev, libjpeg-dev, libsuitesparse-dev, libmetis-dev, limberg-data ${version}")
 
 set(CPACK_COMPONENT_PYTHON_DESCRIPTION "Limberg in Python: import limberg")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-limberg)

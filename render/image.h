@@ -1,5 +1,5 @@
 #pragma once
-// A picture in memory, and PNG files. Rows run from the top down, three bytes a pixel, sRGB.
+// A picture in memory, PNG files, and JPEG files that are read. Rows run from the top down, three bytes a pixel, sRGB.
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -45,6 +45,13 @@ constexpr size_t kMostPngSide = 16384;
 /// InputError when the file is missing, is not a PNG, is damaged or too large. Any PNG is converted to 8-bit RGB.
 Image read_png(const std::string& file);
 Image decode_png(std::string_view bytes, const std::string& name);
+
+/// The same of JPEG: baseline or progressive, in colours or in grey; a picture of four inks is refused. What its camera
+/// says of how it was held (Exif) is not looked at: a texture's places are those of the file.
+Image decode_jpeg(std::string_view bytes, const std::string& name);
+inline bool is_jpeg(std::string_view bytes) { return bytes.starts_with("\xff\xd8\xff"); }
+/// PNG or JPEG, by its first bytes.
+Image read_picture(const std::string& file);
 
 /// Averages blocks of factor x factor pixels; width and height must be multiples of factor.
 Image shrink(const Image& image, int factor);

@@ -21,6 +21,7 @@ namespace {
 void check_own(const std::string& stem, const Imported& x, bool replace) {
   std::vector<std::string> files;
   for (const char* ending : {".toml", ".obj", ".jsonl", ".html", ".json"}) files.push_back(stem + ending);
+  if (!x.texture.empty()) files.push_back((std::filesystem::path(stem).parent_path() / picture_name(x)).string());
   for (size_t i = 0; i < x.colliders.size(); ++i)
     files.push_back((std::filesystem::path(stem).parent_path() / (collider_name(x, i) + ".obj")).string());
   for (const std::string& file : files) {
@@ -42,6 +43,7 @@ int import(const ImportSettings& s, bool replace, const Words& w) {
   for (size_t i = 0; i < x.colliders.size(); ++i)
     write_whole_file((std::filesystem::path(s.out) / (collider_name(x, i) + ".obj")).string(),
                      collider_obj(*x.colliders[i]));
+  if (!x.texture.empty()) write_whole_file((std::filesystem::path(s.out) / picture_name(x)).string(), x.texture);
   write_whole_file(stem + ".toml", scene_text);
   build_body(parse_scene(scene_text, stem + ".toml"));
   write_whole_file(stem + ".jsonl", script);

@@ -22,11 +22,4 @@ GltfLook look_of(const Collider& c) {
   return {c.name.c_str(), double(rgb.x()), double(rgb.y()), double(rgb.z()), .5};
 }
 
-nlohmann::ordered_json gltf_material(const GltfLook& l) {
-  return {{"name", l.name},
-          {"pbrMetallicRoughness",
-           {{"baseColorFactor", {l.r, l.g, l.b, 1.0}}, {"metallicFactor", 0}, {"roughnessFactor", l.rough}}},
-          {"doubleSided", true}};
-}
-
 }  // namespace limberg

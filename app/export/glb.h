@@ -2,7 +2,6 @@
 // The container of a binary glTF 2.0 file, and how its parts look: what the animated export (gltf.h) and the model of a
 // page (page_model.h) have in common.
 #include <array>
-#include <nlohmann/json.hpp>
 #include <string>
 
 namespace limberg {
@@ -38,6 +37,13 @@ struct Collider;
 /// How one looks; the name lasts as long as it does.
 GltfLook look_of(const Collider& c);
 
-nlohmann::ordered_json gltf_material(const GltfLook& look);
+/// Of one of the `materials`. Json: as its writer has it, so that no header includes a library of JSON.
+template <class Json>
+Json gltf_material(const GltfLook& l) {
+  return {{"name", l.name},
+          {"pbrMetallicRoughness",
+           {{"baseColorFactor", {l.r, l.g, l.b, 1.0}}, {"metallicFactor", 0}, {"roughnessFactor", l.rough}}},
+          {"doubleSided", true}};
+}
 
 }  // namespace limberg

@@ -194,7 +194,7 @@ std::string GltfStory::bytes(const std::string& title) const {
     if (t.size() > 1) sample(node, "scale", buffer.times(t), buffer.numbers(size, 3, "VEC3"), "STEP");
   }
   GltfJson materials = GltfJson::array();
-  for (const GltfLook& l : kGltfLooks) materials.push_back(gltf_material(l));
+  for (const GltfLook& l : kGltfLooks) materials.push_back(gltf_material<GltfJson>(l));
   for (const auto& c : colliders_) {
     std::vector<Vec3f> x;
     for (const Vec3& v : c->mesh.X_mm) x.push_back(v.cast<float>());
@@ -208,7 +208,7 @@ std::string GltfStory::bytes(const std::string& title) const {
     meshes.push_back({{"name", c->name}, {"primitives", GltfJson::array({primitive})}});
     children.push_back(int(nodes.size()) + 1);
     nodes.push_back({{"name", c->name}, {"mesh", meshes.size() - 1}});
-    materials.push_back(gltf_material(look_of(*c)));
+    materials.push_back(gltf_material<GltfJson>(look_of(*c)));
   }
   // mm to m, z up to y up: a turn by -90 degrees about x.
   GltfJson root{{"name", title}, {"rotation", {-0.70710678, 0, 0, 0.70710678}}, {"scale", {.001, .001, .001}}};

@@ -402,10 +402,10 @@ std::string PageModel::bytes(const std::string& title, const Camera& camera, dou
   }
 
   PageJson materials = PageJson::array();
-  for (const GltfLook& l : kGltfLooks) materials.push_back(gltf_material(l));
+  for (const GltfLook& l : kGltfLooks) materials.push_back(gltf_material<PageJson>(l));
   for (const auto& c : colliders) {
     w.still(*c, low, step_mm, int(materials.size()));
-    materials.push_back(gltf_material(look_of(*c)));
+    materials.push_back(gltf_material<PageJson>(look_of(*c)));
   }
 
   PageJson told_fields = PageJson::array();

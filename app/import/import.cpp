@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <numeric>
 
+#include "render/image.h"
 #include "sim/base/error.h"
 #include "sim/base/quoted.h"
 #include "sim/base/whole_file.h"
@@ -101,6 +102,22 @@ void read_colliders(Imported& x, const std::vector<std::string>& folders) {
   }
 }
 
+/// The picture of the skin, if it is there and can be read.
+void read_texture(Imported& x, const std::vector<std::string>& folders) {
+  if (x.scene.texture.empty()) return;
+  x.texture_file = look_for(x.scene.texture, folders);
+  if (x.texture_file.empty()) {
+    x.texture_why = "it is not there";
+    return;
+  }
+  try {
+    read_picture(x.texture_file);
+    x.texture = read_whole_file(x.texture_file, kMostPng, "a picture");
+  } catch (const InputError& e) {
+    x.texture_why = e.what();
+  }
+}
+
 std::vector<std::string> missing_of(const Imported& x) {
   std::vector<std::string> out;
   const auto list = [](const std::vector<std::string>& names) {
@@ -125,7 +142,10 @@ std::vector<std::string> missing_of(const Imported& x) {
         english("The layer of skin has one thickness, the median of its deep points, {:.1f} mm; cuts go to the "
                 "depth of their own places."),
         x.skin_mm));
-  out.push_back(english("Textures are pictures of a kind that our scenes do not take (JPEG): none is drawn."));
+  if (x.texture.empty() && !x.scene.texture.empty())
+    out.push_back(fmt::format(english("The picture of the skin, {}, is not drawn: {}."),
+                              limberg::quoted(x.scene.texture, 200), x.texture_why));
+  out.push_back(english("Of the peer's pictures that of the skin alone is drawn: wounds look as ours do."));
   return out;
 }
 
@@ -171,6 +191,7 @@ Imported import_peer(const ImportSettings& s) {
   }
   x.model = parse_peer_model(obj, x.model_file, x.scene, bed ? &*bed : nullptr, x.bed_file, x.unit_mm);
   read_colliders(x, folders);
+  read_texture(x, folders);
   x.skin_mm = x.model.median_depth_mm();
   if (!(x.skin_mm > 0)) x.skin_mm = 2;
   CarrySettings c;

@@ -3,6 +3,7 @@
 // act:
 //
 //   NAME.toml, NAME.obj   the patient in mm; `limberg check` takes it, `limberg operate` runs it
+//   NAME.jpg or .png      the picture of its skin, as the peer has it
 //   NAME-collider-1.obj   what tissue is kept out of, the teeth say, in mm; and so on
 //   NAME.jsonl            the operation
 //   NAME.html, NAME.json  what was carried, changed, refused, and how far places moved
@@ -30,6 +31,7 @@ struct ImportSettings {
 
 struct Imported {
   std::string name, history_file, scene_file, model_file, bed_file;  // as found; empty: none
+  std::string texture_file, texture, texture_why;                    // the skin's picture, as found; its bytes; why not
   PeerScene scene;
   PeerModel model;
   std::vector<std::shared_ptr<const Collider>> colliders;  // in mm
@@ -48,6 +50,8 @@ Imported import_peer(const ImportSettings& settings);
 std::string scene_toml(const Imported& x);
 std::string surface_obj(const Imported& x);
 std::string collider_obj(const Collider& c);
+/// "NAME.jpg"; empty: there is no picture.
+std::string picture_name(const Imported& x);
 std::string collider_name(const Imported& x, size_t i);
 std::string script_text(const Imported& x);
 std::string import_page(const Imported& x, const Words& w = {});

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "app/import/import.h"
+#include "render/image.h"
 
 namespace limberg {
 namespace {
@@ -45,11 +46,12 @@ std::string scene_toml(const Imported& x) {
   const Vec3 e1 = up.cross(n).normalized(), e2 = n.cross(e1);
   std::string t = fmt::format(
       "# Of {}{}. One unit of that file is {:g} mm{}.\nname = \"{}\"\nnote = \"Imported from a peer's files; what was "
-      "carried stands in {}.html.\"\n\n[body]\nsource = \"obj\"\nmesh = \"{}.obj\"\nchart_origin_mm = {}\nchart_e1 = "
+      "carried stands in {}.html.\"\n\n[body]\nsource = \"obj\"\nmesh = \"{}.obj\"\n{}chart_origin_mm = {}\nchart_e1 = "
       "{}\n"
       "chart_e2 = {}\ntension_direction = {}\n",
       file_name(x.model_file), x.bed_file.empty() ? "" : " and " + file_name(x.bed_file), x.unit_mm,
-      x.unit_guessed ? ", guessed by its size" : "", x.name, x.name, x.name, place(o.middle_mm), direction(e1),
+      x.unit_guessed ? ", guessed by its size" : "", x.name, x.name, x.name,
+      x.texture.empty() ? "" : fmt::format("texture = \"{}\"\n", picture_name(x)), place(o.middle_mm), direction(e1),
       direction(e2), direction(e1));
   for (const int material : std::set<int>(x.model.material.begin(), x.model.material.end()))
     t += fmt::format("\n[[body.tag]]\nmaterial = \"{}\"\nwhat = \"{}\"\n", material, what_of(material));
@@ -94,6 +96,10 @@ std::string surface_obj(const Imported& x) {
     }
   }
   return t + faces;
+}
+
+std::string picture_name(const Imported& x) {
+  return x.texture.empty() ? "" : x.name + (is_jpeg(x.texture) ? ".jpg" : ".png");
 }
 
 std::string collider_name(const Imported& x, size_t i) { return fmt::format("{}-collider-{}", x.name, i + 1); }

@@ -16,7 +16,8 @@ namespace limberg {
 
 struct PeerScene {
   std::string file;
-  std::string object;  // OBJ of the tissue, as it is named
+  std::string object;   // OBJ of the tissue, as it is named
+  std::string texture;  // picture of its skin, as it is named; empty: not said
   int object_line = 0;
   std::vector<std::string> scenery, volumes, colliders;  // OBJs: drawn only; tissue of another kind; kept out of
   int subdivisions = 0, levels = 0;                      // of the peer's lattice; 0: not said

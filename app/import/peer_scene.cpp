@@ -46,6 +46,17 @@ double property(const LenientJson& of, const char* key, double least, double mos
   return v->number;
 }
 
+/// The first of an object's texture maps is the picture of its skin; numbers stand for the files in textureFiles.
+std::string texture_of(const LenientJson& root, const LenientJson& object, const std::string& file) {
+  const LenientJson *maps = object.find("textureMaps"), *files = root.find("textureFiles");
+  if (!maps || !files || maps->item.empty()) return {};
+  for (size_t i = 0; i < files->key.size(); ++i)
+    if (files->item[i].is(LenientJson::Kind::number) && maps->item[0].is(LenientJson::Kind::number) &&
+        files->item[i].number == maps->item[0].number)
+      return model_name(files->key[i], file, files->item[i].line);
+  return {};
+}
+
 }  // namespace
 
 PeerScene parse_peer_scene(std::string_view text, const std::string& file) {
@@ -62,6 +73,7 @@ PeerScene parse_peer_scene(std::string_view text, const std::string& file) {
                      fmt::format("dynamicObjects names {} models; expected one", objects->key.size()));
   s.object_line = objects->item[0].line;
   s.object = model_name(objects->key[0], file, s.object_line);
+  s.texture = texture_of(root, objects->item[0], file);
   s.scenery = names_in(root, "staticObjects", file);
   s.volumes = names_in(root, "tetrahedralSubsets", file);
   s.colliders = names_in(root, "fixedCollisionSets", file);

@@ -265,7 +265,7 @@ namespace {
 
 constexpr size_t kMostMaterial = size_t(1) << 20;
 
-/// The picture laid on a surface: what the scene says, else a PNG that its material file names and that is there.
+/// The picture laid on a surface: what the scene says, else a PNG or JPEG that its material file names, if it is there.
 std::string picture_on(const Scene& scene) {
   if (scene.source != Scene::Source::obj || !scene.texture.empty()) return scene.texture;
   const std::string materials =
@@ -276,13 +276,15 @@ std::string picture_on(const Scene& scene) {
   const std::string name = picture_of_material(
       read_whole_file((beside / materials).string(), kMostMaterial, "the material file of a surface"));
   const fs::path picture = beside / name;
-  const std::string ending = picture.extension().string();
-  if (name.empty() || (ending != ".png" && ending != ".PNG") || !fs::is_regular_file(picture, ec)) return {};
+  std::string ending = picture.extension().string();
+  for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
+  const bool taken = ending == ".png" || ending == ".jpg" || ending == ".jpeg";
+  if (name.empty() || !taken || !fs::is_regular_file(picture, ec)) return {};
   return picture.lexically_normal().string();
 }
 
 std::shared_ptr<const SkinImage> skin_image(const std::string& file) {
-  Image image = read_png(file);
+  Image image = read_picture(file);
   auto out = std::make_shared<SkinImage>();
   out->width = image.width, out->height = image.height, out->rgb = std::move(image.rgb);
   return out;

@@ -66,7 +66,7 @@ struct Scene {
   BlockSpec block;                      // when source is block
   ObjSpec obj;                          // when source is obj; obj.path is resolved against the scene file's folder
   std::vector<ColliderSpec> colliders;  // what the tissue lies against
-  std::string texture;  // of an obj's skin, a PNG file; empty: what the OBJ's material names, if that is there
+  std::string texture;  // of an obj's skin, a PNG or JPEG file; empty: what the OBJ's material names, if that is there
 
   double cell_mm = 3.5;
   bool refine_fronts = false, refine_pockets = true;

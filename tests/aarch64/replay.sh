@@ -17,7 +17,7 @@ if [ ! -e "$root/unpacked" ]; then
   apt-get update -qq
   DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends g++-aarch64-linux-gnu qemu-user > /dev/null
   mkdir -p "$out/packages" "$root"
-  wanted=(libsuitesparse-dev libmetis-dev libbullet-dev liblcm-dev libfmt-dev zlib1g-dev libosmesa6-dev libfreetype-dev libpng-dev)
+  wanted=(libsuitesparse-dev libmetis-dev libbullet-dev liblcm-dev libfmt-dev zlib1g-dev libosmesa6-dev libfreetype-dev libpng-dev libjpeg62-turbo-dev)
   all=$(apt-cache depends --recurse --no-recommends --no-suggests --no-conflicts --no-breaks --no-replaces --no-enhances \
     "${wanted[@]/%/:arm64}" | grep '^[a-z].*:arm64$' | sort -u)
   # Of these some are virtual and have no file; and the compiler has its own C library.

@@ -13,6 +13,7 @@
 #include "render/image.h"
 #include "sim/base/error.h"
 #include "sim/base/whole_file.h"
+#include "tests/render/jpeg_bytes.h"
 
 namespace limberg {
 namespace test_scene {
@@ -75,6 +76,13 @@ TEST(SceneTexture, IsWhatTheSceneSaysOrTheMaterialNames) {
   box.write("box.mtl", "newmtl m\nmap_Kd gone.png\n");
   EXPECT_FALSE(box.spec().image) << "a material may name what was not handed on";
   box.write("box.mtl", "newmtl m\nmap_Kd box.jpg\n");
+  EXPECT_FALSE(box.spec().image);
+  box.write("box.jpg", test::jpeg_bytes(Image(4, 2, {210, 160, 140})));
+  ASSERT_TRUE(box.spec().image) << "a photograph";
+  EXPECT_EQ(box.spec().image->width, 4);
+  EXPECT_NEAR(box.spec().image->rgb[0], 210, 3);
+  box.write("box.tga", "no kind that is read");
+  box.write("box.mtl", "newmtl m\nmap_Kd box.tga\n");
   EXPECT_FALSE(box.spec().image);
 }
 

@@ -15,6 +15,7 @@
 #include "tests/bench/fuzz/readers.h"
 #include "tests/bench/fuzz/sound_files.h"
 #include "tests/fuzz/entry_parts.h"
+#include "tests/render/jpeg_bytes.h"
 
 namespace limberg::fuzz {
 namespace {
@@ -136,6 +137,19 @@ Entry png_entry() {
                     });
 }
 
+Entry jpeg_entry() {
+  const Image image(19, 11, {200, 150, 140});
+  return text_entry("JPEG", {"render/image_jpeg.cpp"},
+                    {test::jpeg_bytes(image), test::jpeg_bytes(image, test::JpegKind::progressive)},
+                    [](const std::string& text) -> std::string {
+                      const Image got = decode_jpeg(text, kNamed);
+                      if (got.width < 1 || got.height < 1) return "a picture without pixels was taken";
+                      if (got.rgb.size() != 3 * size_t(got.width) * size_t(got.height))
+                        return "the picture has another number of pixels than it says";
+                      return got.rgb.size() > 3 * kMostPixels ? "a picture beyond the limit was taken" : "";
+                    });
+}
+
 }  // namespace
 
 std::vector<Entry> file_entries(const Folder& folder) {
@@ -145,6 +159,7 @@ std::vector<Entry> file_entries(const Folder& folder) {
   all.push_back(collider_entry());
   all.push_back(material_entry());
   all.push_back(png_entry());
+  all.push_back(jpeg_entry());
   return all;
 }
 

@@ -9,6 +9,7 @@
 #include "render/image.h"
 #include "render/image_compare.h"
 #include "sim/base/error.h"
+#include "tests/render/jpeg_bytes.h"
 #include "tests/small_files.h"
 
 namespace limberg {
@@ -116,6 +117,69 @@ TEST(Image, AChunkThatClaimsMoreThanTheFileTakesNoMemory) {
   EXPECT_THROW(decode_png(bytes, "chunk.png"), InputError);
   ASSERT_EQ(getrusage(RUSAGE_SELF, &after), 0);
   EXPECT_LT(after.ru_maxrss - before.ru_maxrss, 200'000) << "KB more at most than before; the largest file is 32 MB";
+}
+
+/// Smooth, as photographs of skin are.
+Image slope(int w, int h) {
+  Image im(w, h);
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) im.set(x, y, {uint8_t(120 + 2 * x), uint8_t(90 + y), uint8_t(60 + x + y)});
+  return im;
+}
+
+int farthest(const Image& a, const Image& b) {
+  int most = a.width == b.width && a.height == b.height ? 0 : 999;
+  for (size_t i = 0; i < std::min(a.rgb.size(), b.rgb.size()); ++i)
+    most = std::max(most, std::abs(int(a.rgb[i]) - int(b.rgb[i])));
+  return most;
+}
+
+TEST(Jpeg, IsReadAsItWasWritten) {
+  const Image a = slope(50, 34);  // no multiple of a block
+  // The least step of the tables at quality 95 is 2 (ITU T.81, Annex K): a few of 255 in each colour.
+  EXPECT_LE(farthest(decode_jpeg(test::jpeg_bytes(a), "a.jpg"), a), 4);
+  EXPECT_LE(farthest(decode_jpeg(test::jpeg_bytes(a, test::JpegKind::progressive), "a.jpg"), a), 4);
+  const Image grey = decode_jpeg(test::jpeg_bytes(a, test::JpegKind::grey), "a.jpg");
+  for (int y = 0; y < a.height; ++y)
+    for (int x = 0; x < a.width; ++x) {
+      const Rgb8 p = grey.at(x, y);
+      ASSERT_TRUE(p.r == p.g && p.g == p.b);
+      ASSERT_NEAR(p.r, a.at(x, y).r, 4);
+    }
+}
+
+TEST(Jpeg, IsKnownByItsFirstBytesWhateverItsName) {
+  const fs::path dir = scratch("jpeg");
+  const Image a = slope(20, 20);
+  std::ofstream(dir / "a.png", std::ios::binary) << test::jpeg_bytes(a);
+  std::ofstream(dir / "b.jpg", std::ios::binary) << encode_png(a);
+  std::ofstream(dir / "c.jpg") << "GIF89a";
+  EXPECT_LE(farthest(read_picture(dir / "a.png"), a), 4);
+  EXPECT_EQ(read_picture(dir / "b.jpg"), a);
+  EXPECT_THROW(read_picture(dir / "c.jpg"), InputError);
+}
+
+TEST(Jpeg, BadFilesAreInputErrors) {
+  const auto why = [](std::string_view bytes) -> std::string {
+    try {
+      decode_jpeg(bytes, "x.jpg");
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "taken";
+  };
+  for (const test::JpegKind kind : {test::JpegKind::baseline, test::JpegKind::progressive}) {
+    const std::string bytes = test::jpeg_bytes(slope(80, 60), kind);
+    for (size_t n = 0; n + 2 < bytes.size(); n += 29)
+      EXPECT_NE(why(bytes.substr(0, n)).find("x.jpg: is "), std::string::npos) << n << " of " << bytes.size();
+  }
+  EXPECT_NE(why(test::jpeg_bytes(slope(9, 9), test::JpegKind::four_inks)).find("four inks"), std::string::npos);
+  // Height and width stand behind the mark of a frame, in two bytes each: 65,000 lines of 65,000 would be 12 GB.
+  std::string large = test::jpeg_bytes(slope(8, 8));
+  const size_t frame = large.find("\xff\xc0");
+  ASSERT_NE(frame, std::string::npos);
+  for (const size_t k : {5u, 7u}) large[frame + k] = char(0xfd), large[frame + k + 1] = char(0xe8);
+  EXPECT_NE(why(large).find("larger picture than is read"), std::string::npos) << why(large);
 }
 
 TEST(Image, FailedWriteLeavesTheOldFile) {

@@ -6,6 +6,7 @@
 #include "app/import/import.h"
 #include "app/program/temporary_folder.h"
 #include "app/scene/scene.h"
+#include "render/image.h"
 #include "sim/base/error.h"
 #include "sim/base/whole_file.h"
 #include "sim/body/obj.h"
@@ -77,6 +78,37 @@ TEST(TaggedSurface, ASceneRefusesWhatItCannotMean) {
   EXPECT_NE(with("what = \"skin\"", "what = \"skin\"\nwhere = 1").find("unknown key"), std::string::npos);
   EXPECT_NE(with("source = \"obj\"", "source = \"obj\"\ndeep_angle_deg = 10").find("expected one of them"),
             std::string::npos);
+}
+
+TEST(TaggedSurface, ThePictureOfThePeersSkinIsCarriedIfItIsThereAndWhole) {
+  const PeerFixture f;
+  const TemporaryFolder folder;
+  const auto at = [&](const char* name) { return (folder.path() / name).string(); };
+  std::string scene = PeerFixture::scene();
+  scene.insert(1, "\"textureFiles\":{\"other.jpg\":2,\"skin.jpg\":1},");
+  write_whole_file(at("slab.smd"), scene);
+  write_whole_file(at("slab.obj"), f.obj);
+  const auto import = [&] { return import_peer({at("slab.smd"), {}, folder.path().string(), 10, 0, 0}); };
+  const auto told = [](const Imported& x, const std::string& what) {
+    return std::any_of(x.missing.begin(), x.missing.end(),
+                       [&](const std::string& m) { return m.find(what) != std::string::npos; });
+  };
+  EXPECT_TRUE(told(import(), "skin.jpg\", is not drawn: it is not there"));
+  EXPECT_EQ(scene_toml(import()).find("texture"), std::string::npos);
+  write_whole_file(at("skin.jpg"), "no picture");
+  EXPECT_TRUE(told(import(), "neither a PNG nor a JPEG"));
+  Image image(6, 5, {200, 150, 140});
+  write_whole_file(at("skin.jpg"), encode_png(image));  // whatever its name
+  const Imported x = import();
+  EXPECT_FALSE(told(x, "is not drawn: "));
+  EXPECT_EQ(picture_name(x), "slab.png");
+  EXPECT_NE(scene_toml(x).find("texture = \"slab.png\""), std::string::npos);
+  write_whole_file(at("slab.obj"), surface_obj(x));
+  write_whole_file(at("slab.png"), x.texture);
+  const Scene ours = parse_scene(scene_toml(x), at("slab.toml"));
+  const WorldSpec spec = world_spec(ours, build_body(ours));
+  ASSERT_TRUE(spec.image);
+  EXPECT_EQ(spec.image->rgb, image.rgb);
 }
 
 }  // namespace test_tagged_surface
