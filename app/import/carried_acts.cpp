@@ -18,6 +18,7 @@ namespace pm = peer_material;
 using Kind = PeerAct::Kind;
 using Fate = CarriedAct::Fate;
 
+constexpr double kAbovePeriosteum_mm = 0.5;
 constexpr double kNearCut_mm = 12;  // a T-in or a joint reaches so far for a cut
 constexpr double kOwnReach_mm = 4;  // a stitch looks so far for its edge
 constexpr double kDeeper = 1.1;     // an incision passes the depth at which it is undermined by so much of it
@@ -379,7 +380,7 @@ class Carrier {
     std::vector<SurfaceSpot> posts;
     std::vector<double> depth;
     for (const FoundPlace& f : *found) posts.push_back(f.spot), depth.push_back(depth_at(f.spot)), worked_at(f.spot);
-    leave_out_what_turns_away(posts);
+    leave_out_what_turns_away(posts, false);
     const auto outline = enclosed(a, posts);
     if (!outline) return refuse(english("encloses nothing: two points, and no way along cuts between them"));
     const double d = median_of(depth);
@@ -390,14 +391,16 @@ class Carrier {
                          *most));
   }
 
-  /// An act of ours looks at the skin from one side; a point on skin that turns away from there is left out.
-  void leave_out_what_turns_away(std::vector<SurfaceSpot>& posts) {
+  /// An act of ours looks at the skin from one side; a point on skin that turns away from there is left out. `ends`:
+  /// the first and the last may be.
+  void leave_out_what_turns_away(std::vector<SurfaceSpot>& posts, bool ends) {
     int left_out = 0;
     for (bool again = true; again && posts.size() > 4;) {
       Vec3 mean = Vec3::Zero();
       for (const SurfaceSpot& s : posts) mean += m_.normal_at(s.triangle, s.bary);
       mean.normalize();
-      const auto worst = std::min_element(posts.begin() + 1, posts.end() - 1, [&](const auto& x, const auto& y) {
+      const std::ptrdiff_t kept = ends ? 0 : 1;
+      const auto worst = std::min_element(posts.begin() + kept, posts.end() - kept, [&](const auto& x, const auto& y) {
         return m_.normal_at(x.triangle, x.bary).dot(mean) < m_.normal_at(y.triangle, y.bary).dot(mean);
       });
       again = m_.normal_at(worst->triangle, worst->bary).dot(mean) < kTurnedAway;
@@ -407,6 +410,26 @@ class Carrier {
       change(fmt::format(
           english("{} of its points left out, where the skin turns away from the others by more than 70 degrees"),
           left_out));
+  }
+
+  /// The places of an outline as who looks along -n sees them: a cut within a fold lies below skin, and the pocket that
+  /// joins it ends below that skin.
+  std::vector<Vec3> seen_along(const std::vector<Vec3>& outline, const Vec3& n) const {
+    std::vector<Vec3> out;
+    for (const Vec3& p : outline) {
+      std::array<Bvh::LineHit, 8> hits;
+      const int count =
+          std::min<int>(m_.all.line(p + kThickest_mm * n, -n, 0, kThickest_mm + 0.5, hits), int(hits.size()));
+      for (int k = 0; k < count; ++k) {
+        const Bvh::LineHit& h = hits[size_t(k)];
+        if (!h.from_outside || m_.material[size_t(h.triangle)] != pm::skin ||
+            m_.normal_at(h.triangle, h.bary).dot(n) < kTurnedAway)
+          continue;
+        out.push_back(m_.at(h.triangle, h.bary));
+        break;
+      }
+    }
+    return out;
   }
 
   /// Points joined in their order, closed along the cuts where both ends are joined to one.
@@ -456,19 +479,19 @@ class Carrier {
       above.push_back({out->triangle, out->bary, m_.at(out->triangle, out->bary)});
       thickness.push_back(out->t);
     }
-    const auto [least, most] = std::minmax_element(thickness.begin(), thickness.end());
-    if (*most > 2 * *least)
-      return refuse(
-          fmt::format(english("the tissue over the periosteum is {:.1f} to {:.1f} mm thick there: one depth below the "
-                              "skin does not follow it"),
-                      *least, *most));
-    const auto outline = enclosed(a, above);
-    if (!outline) return refuse(english("encloses nothing"));
+    Vec3 outwards = Vec3::Zero();
+    for (const SurfaceSpot& s : above) outwards += m_.normal_at(s.triangle, s.bary);
+    leave_out_what_turns_away(above, true);  // over a bone's edge the skin may be a fold's other side
+    auto outline = enclosed(a, above);
+    if (outline) outline = seen_along(*outline, outwards.normalized());
+    if (!outline || outline->size() < 3) return refuse(english("encloses nothing"));
     for (const SurfaceSpot& s : above) worked_at(s);
-    const double d = 0.85 * *least;
-    say(fmt::format(R"({{"action":"undermine","outline":{},"depth_mm":{:.2f}}})", places_text(*outline), d));
-    change(fmt::format(
-        english("undermined from the skin at {:.1f} mm, just above the periosteum, which stays on the bone"), d));
+    // Deep enough for what lies between the points too; where nothing is held the pocket is not deeper than beside it.
+    const double most = *std::max_element(thickness.begin(), thickness.end());
+    say(fmt::format(R"({{"action":"undermine","outline":{},"depth_mm":{:.2f},"above_held_mm":{:g}}})",
+                    places_text(*outline), std::min(1.25 * most + 1, kThickest_mm), kAbovePeriosteum_mm));
+    change(fmt::format(english("undermined from the skin, {:.1f} mm above the periosteum, which stays on the bone"),
+                       kAbovePeriosteum_mm));
   }
 
   void excise(const PeerAct& a) {

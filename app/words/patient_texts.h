@@ -12,6 +12,8 @@ inline constexpr const char* kPatientTexts[] = {
     english("incise {} mm, {} mm deep"),
     english("incision {}, {} mm deep"),
     english("undermine {} mm around, at {} mm"),
+    english("undermine {} mm around, {} mm above what is held, at most at {} mm"),
+    english("nothing is held within {} mm below the outline; expected a place over bone, or no above_held_mm"),
     english("excise {} mm around, {} mm deep"),
     english("loose piece taken out"),
     english("cut of {} mm right through"),

@@ -27,6 +27,8 @@ struct InciseMore {
 struct Undermine {
   std::vector<ChartPoint> outline;
   double depth_mm = 4;
+  double above_held_mm =
+      0;  // where what is held (bone under its periosteum) lies nearer, so far above it; 0: does not ask
 };
 struct Excise {
   std::vector<ChartPoint> outline;

@@ -155,14 +155,21 @@ struct Act<Undermine> {
   static constexpr const char* noun = "undermining";
   static constexpr Needs needs = Needs::skin;
   static constexpr bool cuts_skin = true;
-  static constexpr const char* help = "A cut below the skin, at one depth under an outline.";
+  static constexpr const char* help = "A cut below the skin under an outline, at one depth or along what is held.";
   static constexpr const char* example =
       R"({"action":"undermine","outline":[[0,0],[20,0],[20,10],[0,10]],"depth_mm":4})";
   static void fields(auto& v, auto& c) {
     v(Field::path("outline", 3, "the pocket's rim on the skin"), c.outline);
     v(row::depth_of("of the pocket below the skin"), c.depth_mm);
+    v(Field::number("above_held_mm", 0, 10,
+                    "where what is held lies nearer below the skin, the pocket follows it so far above; 0: one depth",
+                    Stands::if_other),
+      c.above_held_mm);
   }
   static std::string words(const Undermine& c) {
+    if (c.above_held_mm > 0)
+      return fmt::format("undermine {:.0f} mm around, {:.2g} mm above what is held, at most at {:.3g} mm",
+                         path_mm(c.outline, true), c.above_held_mm, c.depth_mm);
     return fmt::format("undermine {:.0f} mm around, at {:.3g} mm", path_mm(c.outline, true), c.depth_mm);
   }
   static Deed deed(const Undermine& c) {

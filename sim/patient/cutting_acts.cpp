@@ -65,7 +65,10 @@ CutResult SoftTissue::cut_stroke(TissueCut& cut, const std::vector<ChartPoint>& 
 }
 
 Acted<TissueChange> SoftTissue::cut(const Undermine& c) {
-  const BladeResult blade = build_undermining(tissue_.blade_context(), c.outline, c.depth_mm);
+  const BladeContext context = tissue_.blade_context();
+  const BladeResult blade = c.above_held_mm > 0
+                                ? build_undermining(context, c.outline, c.depth_mm, {&tissue_.skin(), c.above_held_mm})
+                                : build_undermining(context, c.outline, c.depth_mm);
   if (!blade.blade) return {false, blade.reason};
   TissueCut cut(tissue_, spec().refine_pockets ? Divide::fronts : Divide::nothing);
   const CutResult made = cut.cut(*blade.blade, seed());

@@ -1,10 +1,14 @@
 // Undermining: a sheet under an outline, widened where the outline runs along earlier cuts.
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <numbers>
 
 #include "sim/base/elementary.h"
+#include "sim/body/skin.h"
 #include "sim/cutting/arrangement/tri_tests.h"
 #include "sim/cutting/strokes/blade_parts.h"
 #include "sim/cutting/strokes/sheet_mesh.h"
@@ -26,6 +30,7 @@ constexpr double kSheetBeyond = 1.0;
 constexpr double kOnWound = 0.6;       // a hand that follows a cut stays this near to it
 constexpr double kLeastOnWound = 5.0;  // ... for at least so long; what crosses it at 15 degrees or more stays for less
 constexpr double kSheetStep = 0.5;
+constexpr double kSlope = 0.7;  // of a sheet that comes off what is held, mm a mm: 35 degrees
 
 using Covered = std::function<bool(const Vec2&)>;  // is there an earlier pocket at the sheet's depth?
 
@@ -142,20 +147,62 @@ std::vector<Vec2> widen(const WoundMap& wounds, const Covered& covered, std::spa
   return q;
 }
 
-}  // namespace
+/// How deep the sheet lies below a column.
+struct SheetDepth {
+  double depth_mm = 0;
+  AlongHeld held{};
 
-BladeResult build_undermining(const BladeContext& c, std::span<const ChartPoint> outline, double depth_mm) {
+  /// Where what is held lies no deeper than the sheet would: so far above it, half way where the tissue is thinner.
+  std::optional<double> above_held(const Column& k) const {
+    if (!held.skin) return std::nullopt;
+    const TriMesh& surface = held.skin->body().surface;
+    std::array<Bvh::LineHit, 16> hit;
+    const int n = std::min(
+        held.skin->surface().line(k.X + kMargin * k.normal, -k.normal, 0, depth_mm + held.above_mm + kMargin, hit),
+        int(hit.size()));
+    for (int i = 0; i < n; ++i) {
+      const double thick = hit[size_t(i)].t - kMargin;
+      if (hit[size_t(i)].from_outside || thick <= 0.1) continue;
+      if (surface.tag.empty() || surface.tag[size_t(hit[size_t(i)].triangle)] != SurfaceTag::fixed) return std::nullopt;
+      return std::max(thick - held.above_mm, 0.5 * thick);
+    }
+    return std::nullopt;
+  }
+  double at(const Column& k) const { return std::min(depth_mm, above_held(k).value_or(depth_mm)); }
+};
+
+/// The depths at the vertices of a sheet, none deeper than a neighbour's by more than kSlope times their distance:
+/// where bone ends the sheet falls off as a knife does that is led along it.
+std::vector<double> sheet_depths(const SheetDepth& depth, std::span<const Column> columns, const PlaneMesh& mesh) {
+  std::vector<double> d;
+  for (const Column& k : columns) d.push_back(depth.at(k));
+  if (!depth.held.skin) return d;
+  for (bool lower = true; lower;) {
+    lower = false;
+    for (const Tri& t : mesh.tri)
+      for (int k = 0; k < 3; ++k)
+        for (const auto& [from, to] : {std::pair(t[k], t[(k + 1) % 3]), std::pair(t[(k + 1) % 3], t[k])}) {
+          const double most = d[size_t(from)] + kSlope * (columns[size_t(from)].X - columns[size_t(to)].X).norm();
+          if (d[size_t(to)] <= most + 1e-9) continue;
+          d[size_t(to)] = most, lower = true;
+        }
+  }
+  return d;
+}
+
+BladeResult sheet_under(const BladeContext& c, std::span<const ChartPoint> outline, double depth_mm,
+                        const AlongHeld& along_held) {
   std::string why = check_stroke(outline, depth_mm);
   if (!why.empty()) return refuse(why);
   std::vector<Vec2> path = clean_outline(outline, why);
   if (path.empty()) return refuse(why);
   // Two sheets of one nominal depth must not coincide where they overlap.
   const double raise = kSheetRaise + 0.04 * (c.arrangement ? c.arrangement->operations() % 3 : 0);
-  const double depth = std::max(depth_mm - raise, 0.5 * depth_mm);
+  const SheetDepth depth{std::max(depth_mm - raise, 0.5 * depth_mm), along_held};
   const PocketMap pockets(c.arrangement);
   const auto pocket_height = [&](const Vec2& p) -> std::optional<double> {
     const auto k = column_at(c, p);
-    return k ? pockets.height(k->X - k->normal * depth, k->normal, kPocketReach) : std::nullopt;
+    return k ? pockets.height(k->X - k->normal * depth.at(*k), k->normal, kPocketReach) : std::nullopt;
   };
   std::vector<uint8_t> along, past_corner;
   if (c.arrangement) {
@@ -199,14 +246,20 @@ BladeResult build_undermining(const BladeContext& c, std::span<const ChartPoint>
   if (!mesh) return refuse("the outline cannot be filled; expected a simple outline");
   std::vector<Column> columns;
   if (why = columns_at(c, mesh->vertex, columns); !why.empty()) return refuse(why);
+  if (along_held.skin &&
+      std::none_of(columns.begin(), columns.end(), [&](const Column& k) { return depth.above_held(k).has_value(); }))
+    return refuse(fmt::format(
+        "nothing is held within {:.3g} mm below the outline; expected a place over bone, or no above_held_mm",
+        depth_mm));
   std::vector<SheetVertex> sheet;
   bool overlaps = false, embedded = false;
   for (const double stiffness : kStiffness) {
     if (embedded) break;
     const std::vector<Column> held = stiffened(columns, stiffness);
+    const std::vector<double> deep = sheet_depths(depth, held, *mesh);
     sheet.clear();
     for (size_t i = 0; i < held.size(); ++i) {
-      SheetVertex v{held[i].X - held[i].normal * depth, held[i].normal};
+      SheetVertex v{held[i].X - held[i].normal * deep[i], held[i].normal};
       if (const auto h = pockets.height(v.X_mm, v.normal, kPocketReach)) {
         v.covered = v.deep = true;
         v.height = *h;
@@ -245,6 +298,17 @@ BladeResult build_undermining(const BladeContext& c, std::span<const ChartPoint>
   if (!any_seed) blade.seed.assign(blade.seed.size(), 2);
   if (why = fits_grid(c, blade); !why.empty()) return refuse(why);
   return {std::move(blade), {}};
+}
+
+}  // namespace
+
+BladeResult build_undermining(const BladeContext& c, std::span<const ChartPoint> outline, double depth_mm) {
+  return sheet_under(c, outline, depth_mm, {});
+}
+
+BladeResult build_undermining(const BladeContext& c, std::span<const ChartPoint> outline, double depth_mm,
+                              const AlongHeld& held) {
+  return sheet_under(c, outline, depth_mm, held);
 }
 
 }  // namespace limberg

@@ -233,7 +233,8 @@ TEST(CarriedActs, WhatCannotBeCarriedSaysWhyAndTheRestIs) {
   }
   EXPECT_EQ(o.count(Fate::refused), 4);
   EXPECT_EQ(lines(o, "undermine").size(), 1u);
-  EXPECT_NEAR(lines(o, "undermine")[0]["depth_mm"], 0.85 * 12, 0.01);
+  EXPECT_NEAR(lines(o, "undermine")[0]["depth_mm"], 1.25 * 12 + 1, 0.01);  // at most: it follows the periosteum
+  EXPECT_EQ(lines(o, "undermine")[0]["above_held_mm"], 0.5);
 }
 
 }  // namespace test_carried_acts
