@@ -291,11 +291,13 @@ class Carrier {
   }
 
   void cut_through(const PeerAct& a) {
+    const auto on_bed =
+        std::count_if(a.post.begin(), a.post.end(), [](const PeerAct::Post& p) { return p.place.material == pm::bed; });
     for (const PeerAct::Post& p : a.post)
-      if (p.place.material != pm::skin && p.place.material != pm::periphery)
+      if (p.place.material != (on_bed > 0 ? pm::bed : pm::skin) && (on_bed > 0 || p.place.material != pm::periphery))
         return refuse(
-            fmt::format(english("line {}: a cut that begins on the bed below a raised flap (material {}); ours begins "
-                                "on the outer surface, and would cut the flap too"),
+            fmt::format(english("line {}: a cut that begins on material {}; ours begins on the outer surface, or "
+                                "all of it on the bed below a raised flap"),
                         p.place.line, p.place.material));
     const auto found = find_all(a);
     if (!found) return;
@@ -303,11 +305,13 @@ class Carrier {
     std::vector<Vec3> path, normals;
     for (size_t i = 0; i < found->size(); ++i) {
       posts.push_back((*found)[i].spot), worked_at(posts.back());
-      path.push_back(posts.back().at_mm), normals.push_back(a.post[i].normal.normalized());
+      path.push_back((*found)[i].inner ? (*found)[i].inner_mm : posts.back().at_mm);
+      normals.push_back(a.post[i].normal.normalized());
     }
     if (posts.size() < 2) return refuse(english("one post; two or more make a cut"));
-    say(fmt::format(R"({{"action":"cut_through","path":{},"normals":{},"open_start":{},"open_end":{}}})",
-                    places_text(path), places_text(normals), a.in, a.out));
+    say(fmt::format(R"({{"action":"cut_through","path":{},"normals":{},"open_start":{},"open_end":{}{}}})",
+                    places_text(path), places_text(normals), a.in, a.out, on_bed > 0 ? R"(,"from_bed":true)" : ""));
+    if (on_bed > 0) return;  // it shows nowhere on the skin
     for (size_t i = 0; i + 1 < posts.size(); ++i) {
       const SurfaceLine part = cuts_.between(posts[i], posts[i + 1]);
       cuts_.add(part, true);

@@ -17,6 +17,9 @@ inline constexpr const char* kPatientTexts[] = {
     english("excise {} mm around, {} mm deep"),
     english("loose piece taken out"),
     english("cut of {} mm right through"),
+    english("cut of {} mm from a bed right through"),
+    english("at {} there is no bed within {} mm with a free side within {} mm below; a place on what was undermined "
+            "was expected"),
     english("hook {} set"),
     english("hook {} carried and left there"),
     english("hook {} released"),

@@ -45,6 +45,8 @@ struct CutThrough {
   std::vector<Vec3> path;                     // posts, at rest
   std::vector<Vec3> normals;                  // out of the skin, one for each post; empty: those of the skin there
   bool open_start = false, open_end = false;  // goes on over the body's free margin there
+  // Begins on the bed that a pocket has left there, below the flap, which stays whole; else on the skin.
+  bool from_bed = false;
 };
 /// What a hook or a needle goes into.
 enum class HeldSide : uint8_t {

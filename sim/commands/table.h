@@ -236,6 +236,10 @@ struct Act<CutThrough> {
       c.normals);
     v(Field::flag("open_start", false, "it goes on over the free margin before the first post"), c.open_start);
     v(Field::flag("open_end", false, "it goes on over the free margin after the last post"), c.open_end);
+    v(Field::flag(
+          "from_bed", false,
+          "it begins on the bed of a pocket, at places on it, and the flap above stays whole; else on the skin"),
+      c.from_bed);
   }
   static std::string check(const CutThrough& c) {
     if (!c.normals.empty() && c.normals.size() != c.path.size())
@@ -246,7 +250,7 @@ struct Act<CutThrough> {
     return "";
   }
   static std::string words(const CutThrough& c) {
-    return fmt::format("cut of {:.0f} mm right through", path_length(c.path));
+    return fmt::format("cut of {:.0f} mm {}right through", path_length(c.path), c.from_bed ? "from a bed " : "");
   }
   static Deed deed(const CutThrough& c) {
     return {"Cut of " + rounded_text(path_length(c.path), 3) + " mm right through"};

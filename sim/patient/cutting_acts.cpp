@@ -118,12 +118,17 @@ Acted<TissueChange> SoftTissue::cut(const ExcisePiece& c) {
 
 Acted<TissueChange> SoftTissue::cut(const CutThrough& c) {
   std::string reason;
-  const auto view = view_of(tissue_.skin(), c.path, reason);
+  std::vector<Vec3> seen = c.path;
+  if (c.from_bed)  // the view is of the skin above
+    for (Vec3& X : seen)
+      if (const SkinHit hit = tissue_.skin().nearest(X); hit.triangle >= 0) X = hit.X_mm;
+  const auto view = view_of(tissue_.skin(), seen, reason);
   if (!view) return {false, reason};
   BladeContext context = tissue_.blade_context();
   context.view = &*view;
   context.skin = [&](const ChartPoint& p) { return tissue_.skin().at(p, *view); };
-  const BladeResult blade = build_through(context, tissue_.skin(), {c.normals, c.open_start, c.open_end});
+  const BladeResult blade = build_through(
+      context, tissue_.skin(), {c.normals, c.open_start, c.open_end, c.from_bed ? c.path : std::span<const Vec3>()});
   if (!blade.blade) return {false, blade.reason};
   TissueCut cut(tissue_);
   const CutResult made = cut.cut(*blade.blade, seed());

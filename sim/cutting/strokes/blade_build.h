@@ -65,6 +65,9 @@ BladeResult build_plug(const BladeContext& context, std::span<const ChartPoint> 
 struct ThroughCut {
   std::span<const Vec3> normals = {};
   bool open_start = false, open_end = false;
+  // Not empty: the cut begins at these places on the bed of an earlier pocket, one for each of context.view, and leaves
+  // the tissue above it whole.
+  std::span<const Vec3> on_bed = {};
 };
 BladeResult build_through(const BladeContext& context, const Skin& skin, const ThroughCut& cut);
 

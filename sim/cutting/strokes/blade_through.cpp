@@ -7,6 +7,7 @@
 #include "sim/body/skin.h"
 #include "sim/cutting/arrangement/tri_tests.h"
 #include "sim/cutting/strokes/blade_parts.h"
+#include "sim/cutting/strokes/sheet_overlap.h"
 
 namespace limberg {
 namespace {
@@ -15,6 +16,8 @@ constexpr double kThickest_mm = 40;     // a lip is 8 to 15, a nose or a cheek u
 constexpr double kMarginReach_mm = 12;  // so far from the last post a free margin is looked for
 constexpr double kMarginStep_mm = 0.75;
 constexpr double kBesideCut_mm = 1.0;  // a closed end this near to an earlier cut joins it
+constexpr double kOffBed_mm = 3.0;     // a place may lie so far off the bed that it means
+constexpr double kAboveBed_mm = 0.3;   // so far the blade stands out of it, into the flap, which has no seed there
 
 /// One column of the ruled blade.
 struct Ruling {
@@ -38,6 +41,16 @@ std::optional<Ruling> ruling_at(const Skin& skin, const Vec3& X, const Vec3& out
     best = Ruling{X + (reach_mm - hits[i].t) * out, out, exit->t - hits[i].t, true};
   }
   return best;
+}
+
+/// The same from the bed of a pocket near X.
+std::optional<Ruling> ruling_from_bed(const Skin& skin, const PocketMap& pockets, const Vec3& X, const Vec3& out) {
+  const auto height = pockets.height(X, out, kOffBed_mm);
+  if (!height) return std::nullopt;
+  const Vec3 bed = X + *height * out;
+  for (const Bvh::LineHit& h : skin.surface().line(bed, -out, 0.1, kThickest_mm))
+    if (!h.from_outside) return Ruling{bed, out, h.t, true};
+  return std::nullopt;
 }
 
 /// Where lines along -out, moved on by `step` along `way`, lie within the body: of each the stretches, in mm below the
@@ -68,7 +81,8 @@ struct Section {
 /// goes through; empty when it goes on. Another part may lie close behind its margin, the other lip or the other lid:
 /// what hangs together with the last ruling in their common plane is followed, and what else the blade meets there has
 /// no seed.
-std::vector<Ruling> over_margin(const Skin& skin, const Ruling& last, const Vec3& way, double margin) {
+/// `on_bed`: the blade stays below where the last ruling begins.
+std::vector<Ruling> over_margin(const Skin& skin, const Ruling& last, const Vec3& way, double margin, bool on_bed) {
   const Section section(skin, last, way, kMarginReach_mm);
   using Stretch = std::pair<double, double>;
   std::vector<std::vector<char>> part;  // of each column, which stretches belong to it
@@ -103,6 +117,8 @@ std::vector<Ruling> over_margin(const Skin& skin, const Ruling& last, const Vec3
           top = std::min(top, section.column[i][k].first), foot = std::max(foot, section.column[i][k].second);
     Ruling r = last;
     r.drawn = false;
+    // Below the bed from its first beyond the pocket: what stands out of the bed is then parted by it from the rest.
+    if (on_bed) top = section.above_mm + 2 * kAboveBed_mm;
     r.X += s * way + (section.above_mm - top) * last.out;
     r.through_mm = foot - top;
     return r;
@@ -115,7 +131,8 @@ std::vector<Ruling> over_margin(const Skin& skin, const Ruling& last, const Vec3
   return out;
 }
 
-Blade strip_of(const BladeContext& c, std::span<const Ruling> rulings, double margin) {
+/// `above`: how far the blade stands out over where its rulings begin. From a bed, what lies below it is drawn.
+Blade strip_of(const BladeContext& c, std::span<const Ruling> rulings, double margin, double above, bool on_bed) {
   const size_t n = rulings.size();
   // As deep as the deepest neighbour, so that the foot of a column between two thicker places is out as well.
   std::vector<double> depth(n);
@@ -125,11 +142,15 @@ Blade strip_of(const BladeContext& c, std::span<const Ruling> rulings, double ma
     for (const size_t k : {i > 0 ? i - 1 : i, i + 1 < n ? i + 1 : i})
       depth[i] = std::max(depth[i], std::min(rulings[k].through_mm, 1.5 * rulings[i].through_mm + margin));
     depth[i] += margin;
-    deepest = std::max(deepest, depth[i] + margin);
+    deepest = std::max(deepest, depth[i] + above);
   }
   const int rows = std::max(2, int(std::ceil(deepest / kRowHeight)));
   Blade blade;
-  const auto level = [&](size_t i, int r) { return (depth[i] + margin) * r / rows - margin; };
+  // From a bed the first row is as deep below it as it stands out above: it alone crosses the bed.
+  const auto level = [&](size_t i, int r) {
+    if (!on_bed) return (depth[i] + above) * r / rows - above;
+    return r == 0 ? -above : above + (depth[i] - above) * (r - 1) / (rows - 1);
+  };
   std::vector<double> arc(n, 0);
   for (size_t i = 0; i < n; ++i) {
     if (i > 0) arc[i] = arc[i - 1] + (rulings[i].X - rulings[i - 1].X).norm();
@@ -145,9 +166,10 @@ Blade strip_of(const BladeContext& c, std::span<const Ruling> rulings, double ma
       blade.uv_mm.push_back({uv(i, r), uv(i, r + 1), uv(j, r)});
       blade.tri.push_back({id(i, r + 1), id(j, r + 1), id(j, r)});
       blade.uv_mm.push_back({uv(i, r + 1), uv(j, r + 1), uv(j, r)});
-      const bool drawn = rulings[i].drawn && rulings[j].drawn && std::min(level(i, r), level(j, r)) <= 0;
-      blade.seed.push_back(drawn);
-      blade.seed.push_back(drawn);
+      const bool drawn = rulings[i].drawn && rulings[j].drawn;
+      const uint8_t seed = on_bed ? (drawn && r > 0 ? 2 : 0) : drawn && std::min(level(i, r), level(j, r)) <= 0;
+      blade.seed.push_back(seed);
+      blade.seed.push_back(seed);
     }
   return blade;
 }
@@ -166,10 +188,12 @@ std::vector<Vec3> directions(std::span<const Ruling> rulings, double share) {
 BladeResult build_through(const BladeContext& c, const Skin& skin, const ThroughCut& cut) {
   const SkinView& view = *c.view;
   if (view.place.size() < 2) return refuse("a cut right through with less than two posts; expected at least two");
+  const bool on_bed = !cut.on_bed.empty();
+  const PocketMap pockets(c.arrangement);
   std::vector<Ruling> drawn;
   double length = 0;
   for (size_t i = 0; i < view.place.size(); ++i) {
-    const Vec3 X = view.place[i];
+    const Vec3 X = on_bed ? cut.on_bed[i] : view.place[i];
     const Vec3 out = cut.normals.empty() ? skin.frame(X).normal : cut.normals[i].normalized();
     if (!drawn.empty()) {
       const Ruling from = drawn.back();
@@ -193,9 +217,15 @@ BladeResult build_through(const BladeContext& c, const Skin& skin, const Through
     why.clear();
     for (size_t i = 0; i < drawn.size() && why.empty(); ++i) {
       // Chords of a curved skin run below it, or over a hollow.
-      const auto r = ruling_at(skin, drawn[i].X, out[i], 0.5 * length + kOffSkin_mm);
+      const auto r = on_bed ? ruling_from_bed(skin, pockets, drawn[i].X, out[i])
+                            : ruling_at(skin, drawn[i].X, out[i], 0.5 * length + kOffSkin_mm);
       if (r)
         rulings.push_back(*r);
+      else if (on_bed)
+        why = fmt::format(
+            "at {} there is no bed within {:g} mm with a free side within {:g} mm below; a place on what was "
+            "undermined was expected",
+            at_text(drawn[i].X), kOffBed_mm, kThickest_mm);
       else
         why = fmt::format(
             "at {} the blade does not come out on the other side within {:g} mm; a part of the body with "
@@ -209,7 +239,7 @@ BladeResult build_through(const BladeContext& c, const Skin& skin, const Through
       Vec3 way = last.X - before.X;
       way = (way - way.dot(last.out) * last.out).normalized();
       if (open) {
-        beyond = over_margin(skin, last, way, margin);
+        beyond = over_margin(skin, last, way, margin, on_bed);
         if (beyond.empty())
           why = fmt::format("\"{}\": no free margin within {:g} mm of {}; a post nearer to the margin was expected",
                             name, kMarginReach_mm, at_text(last.X));
@@ -228,7 +258,7 @@ BladeResult build_through(const BladeContext& c, const Skin& skin, const Through
     all = before;
     all.insert(all.end(), rulings.begin(), rulings.end());
     all.insert(all.end(), after.begin(), after.end());
-    Blade blade = strip_of(c, all, margin);
+    Blade blade = strip_of(c, all, margin, on_bed ? kAboveBed_mm : margin, on_bed);
     if (!check_embedded(blade.vertex, blade.tri).empty()) {
       why = "the blade would run through itself; expected directions that turn less between the posts";
       continue;

@@ -213,6 +213,26 @@ TEST(CarriedActs, AStitchStaysOnItsBank) {
   EXPECT_NEAR(at(s["b"]).y(), 19.7, 0.05);
 }
 
+TEST(CarriedActs, ACutOnTheBedOfAFlapBeginsThere) {
+  const PeerFixture f;
+  using F = PeerFixture;
+  const auto deep_cut = [](const std::string& a, const std::string& b) {
+    return R"({"makeDeepCut":[{"deepCutObject":0,"openIn":false,"openOut":false,"pointNumber":2},{"deepCutPoint":{)" +
+           a + R"(,"postNormal":[0,0,1]}},{"deepCutPoint":{)" + b + R"(,"postNormal":[0,0,1]}}]})";
+  };
+  const std::string on_bed[] = {F::place(20, 12, Vec3::Zero(), 5), F::place(20, 18, Vec3::Zero(), 5)};
+  const CarriedOperation o =
+      carried(f.model(), {F::undermine({{12, 8}, {28, 8}, {28, 22}, {12, 22}}, false, false),
+                          deep_cut(on_bed[0], on_bed[1]), deep_cut(F::place(20, 12), on_bed[1])});
+  ASSERT_EQ(o.act.size(), 4u);
+  EXPECT_EQ(o.act[2].fate, CarriedAct::Fate::carried);
+  ASSERT_EQ(lines(o, "cut_through").size(), 1u);
+  const json cut = lines(o, "cut_through")[0];
+  EXPECT_EQ(cut["from_bed"], true);
+  for (const json& p : cut["path"]) EXPECT_LT(at(p).z(), 12 - 1) << "below the skin, which lies at 12";
+  EXPECT_EQ(o.act[3].fate, CarriedAct::Fate::refused) << "partly on skin";
+}
+
 TEST(CarriedActs, WhatCannotBeCarriedSaysWhyAndTheRestIs) {
   const PeerFixture f;
   using F = PeerFixture;
