@@ -73,7 +73,6 @@ PropMesh colliders_of(const Body& body) {
   for (const auto& c : body.colliders) {
     const auto first = uint32_t(out.vertex.size());
     std::vector<Vec3> normal(c->mesh.X_mm.size(), Vec3::Zero());
-    const Vec3f colour = linear_light(c->colour);
     for (const Tri& t : c->mesh.tri) {
       const Vec3& a = c->mesh.X_mm[size_t(t[0])];
       const Vec3 n = (c->mesh.X_mm[size_t(t[1])] - a).cross(c->mesh.X_mm[size_t(t[2])] - a);
@@ -81,7 +80,8 @@ PropMesh colliders_of(const Body& body) {
       out.tri.push_back({first + uint32_t(t[0]), first + uint32_t(t[1]), first + uint32_t(t[2])});
     }
     for (size_t v = 0; v < normal.size(); ++v)
-      out.vertex.push_back({c->mesh.X_mm[v].cast<float>(), normal[v].normalized().cast<float>(), colour, 0, 0});
+      out.vertex.push_back(
+          {c->mesh.X_mm[v].cast<float>(), normal[v].normalized().cast<float>(), linear_light(c->colour_of(v)), 0, 0});
   }
   return out;
 }

@@ -1,5 +1,6 @@
 #include "app/export/glb.h"
 
+#include <cmath>
 #include <cstdint>
 
 #include "render/colour_map.h"
@@ -18,8 +19,17 @@ std::string glb_bytes(std::string json, const std::string& binary) {
 }
 
 GltfLook look_of(const Collider& c) {
-  const Vec3f rgb = linear_light(c.colour);
+  const Vec3f rgb = c.rgb.empty() ? linear_light(c.colour) : Vec3f(Vec3f::Ones());  // else times each vertex's
   return {c.name.c_str(), double(rgb.x()), double(rgb.y()), double(rgb.z()), .5};
+}
+
+std::vector<std::array<uint8_t, 4>> colours_of(const Collider& c) {
+  std::vector<std::array<uint8_t, 4>> out;
+  for (const Vec3f& srgb : c.rgb) {
+    const Vec3f l = 255 * linear_light(srgb);
+    out.push_back({uint8_t(std::lround(l.x())), uint8_t(std::lround(l.y())), uint8_t(std::lround(l.z())), 255});
+  }
+  return out;
 }
 
 }  // namespace limberg

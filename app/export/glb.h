@@ -2,7 +2,9 @@
 // The container of a binary glTF 2.0 file, and how its parts look: what the animated export (gltf.h) and the model of a
 // page (page_model.h) have in common.
 #include <array>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 namespace limberg {
 
@@ -36,6 +38,8 @@ inline constexpr std::array<GltfLook, 8> kGltfLooks{{{"skin", .80, .55, .45, .6}
 struct Collider;
 /// How one looks; the name lasts as long as it does.
 GltfLook look_of(const Collider& c);
+/// Of each vertex in linear light, 0 to 255, opaque (COLOR_0); empty: all of it looks as look_of says.
+std::vector<std::array<uint8_t, 4>> colours_of(const Collider& c);
 
 /// Of one of the `materials`. Json: as its writer has it, so that no header includes a library of JSON.
 template <class Json>

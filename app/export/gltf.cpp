@@ -39,6 +39,12 @@ class GltfBuffer {
   int numbers(const std::vector<float>& v, int components, const char* type) {
     return floats(v.data(), v.size() / size_t(components), components, type, 0);
   }
+  int colours(const std::vector<std::array<uint8_t, 4>>& rgba) {
+    const int v = view(rgba.data(), rgba.size() * 4, 34962);
+    accessors.push_back(
+        {{"bufferView", v}, {"componentType", 5121}, {"normalized", true}, {"count", rgba.size()}, {"type", "VEC4"}});
+    return int(accessors.size()) - 1;
+  }
   int indices(const std::vector<uint32_t>& index) {
     const int v = view(index.data(), index.size() * 4, 34963);
     accessors.push_back({{"bufferView", v}, {"componentType", 5125}, {"count", index.size()}, {"type", "SCALAR"}});
@@ -201,10 +207,10 @@ std::string GltfStory::bytes(const std::string& title) const {
     std::vector<uint32_t> index;
     for (const Tri& t : c->mesh.tri)
       for (const int32_t v : t) index.push_back(uint32_t(v));
-    GltfJson primitive{{"attributes", {{"POSITION", buffer.positions(x)}}},
-                       {"indices", buffer.indices(index)},
-                       {"material", materials.size()},
-                       {"mode", 4}};
+    GltfJson attributes{{"POSITION", buffer.positions(x)}};
+    if (const auto rgba = colours_of(*c); !rgba.empty()) attributes["COLOR_0"] = buffer.colours(rgba);
+    GltfJson primitive{
+        {"attributes", attributes}, {"indices", buffer.indices(index)}, {"material", materials.size()}, {"mode", 4}};
     meshes.push_back({{"name", c->name}, {"primitives", GltfJson::array({primitive})}});
     children.push_back(int(nodes.size()) + 1);
     nodes.push_back({{"name", c->name}, {"mesh", meshes.size() - 1}});

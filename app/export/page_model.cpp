@@ -225,8 +225,11 @@ class PageWriter {
       for (int k = 0; k < 3; ++k) x[v][size_t(k)] = int32_t(std::lround((c.mesh.X_mm[v][k] - low[k]) / step_mm));
     std::vector<std::array<uint32_t, 3>> tri;
     for (const Tri& t : c.mesh.tri) tri.push_back({uint32_t(t[0]), uint32_t(t[1]), uint32_t(t[2])});
+    PageJson attributes{{"POSITION", buffer.places<uint16_t>(x, 5123)}};
+    if (const auto rgba = colours_of(c); !rgba.empty())
+      attributes["COLOR_0"] = buffer.accessor(rgba.data(), rgba.size(), 4, 5121, "VEC4", PageBuffer::kVertices, true);
     meshes.push_back({{"name", c.name},
-                      {"primitives", PageJson::array({{{"attributes", {{"POSITION", buffer.places<uint16_t>(x, 5123)}}},
+                      {"primitives", PageJson::array({{{"attributes", attributes},
                                                        {"indices", buffer.indices(tri, x.size())},
                                                        {"material", material},
                                                        {"mode", 4}}})},

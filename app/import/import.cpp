@@ -11,6 +11,7 @@
 #include "sim/base/error.h"
 #include "sim/base/quoted.h"
 #include "sim/base/whole_file.h"
+#include "sim/geometry/io/obj_text.h"
 #include "sim/geometry/sided_patch.h"
 
 namespace limberg {
@@ -81,16 +82,40 @@ std::string why_not_outside(const Collider& c, const TriMesh& tissue) {
   return fmt::format("{} places of the tissue's surface lie in it at rest, up to {:.1f} mm deep", deep, deepest_mm);
 }
 
+/// The colours of a surface's vertices, from its picture at the first place that each has on it. Empty: there is none.
+std::vector<Vec3f> colours_by_picture(const std::string& obj, const std::string& obj_file, const std::string& picture) {
+  if (picture.empty()) return {};
+  const Image image = read_picture(picture);
+  const ObjText read = parse_obj_text(obj, obj_file, {500'000, 1'000'000});
+  std::vector<Vec3f> rgb(read.v.size(), Vec3f::Constant(-1));
+  for (const ObjText::Corner& c : read.corner) {
+    if (c.vt < 0 || rgb[size_t(c.v)].x() >= 0) continue;
+    const Eigen::Vector2f uv = read.vt[size_t(c.vt)];
+    const auto pixel = [](float part, int n) { return std::clamp(int(std::floor(part * float(n))), 0, n - 1); };
+    const Rgb8 p = image.at(pixel(uv.x(), image.width), pixel(1 - uv.y(), image.height));
+    rgb[size_t(c.v)] = Vec3f(p.r, p.g, p.b) / 255;
+  }
+  if (std::any_of(rgb.begin(), rgb.end(), [](const Vec3f& c) { return c.x() < 0; })) return {};
+  return rgb;
+}
+
 /// What cannot be used is left out, and said.
 void read_colliders(Imported& x, const std::vector<std::string>& folders) {
   constexpr size_t kMost = 16;  // of a scene of ours
-  for (const std::string& name : x.scene.colliders) {
+  for (size_t i = 0; i < x.scene.colliders.size(); ++i) {
+    const std::string& name = x.scene.colliders[i];
     const std::string file = look_for(fs::path(name).filename().string(), folders);
     std::string why = file.empty() ? "is not there" : x.colliders.size() == kMost ? "is one too many" : "";
     if (why.empty()) try {
         ColliderSpec spec;
         spec.path = file, spec.scale_to_mm = x.unit_mm;
-        const auto collider = parse_collider(read_whole_file(file, kMostModel, "a collider"), spec);
+        const std::string obj = read_whole_file(file, kMostModel, "a collider");
+        const auto collider = std::make_shared<Collider>(*parse_collider(obj, spec));
+        try {
+          collider->rgb = colours_by_picture(obj, file, look_for(x.scene.collider_texture[i], folders));
+        } catch (const InputError&) {
+          // in one colour, as ours are
+        }
         why = why_not_outside(*collider, x.model.mesh);
         if (why.empty()) x.colliders.push_back(collider);
       } catch (const InputError& e) {

@@ -106,7 +106,12 @@ std::string collider_name(const Imported& x, size_t i) { return fmt::format("{}-
 
 std::string collider_obj(const Collider& c) {
   std::string t = fmt::format("# {} in mm\n", file_name(c.name));
-  for (const Vec3& v : c.mesh.X_mm) t += fmt::format("v {:.5f} {:.5f} {:.5f}\n", v.x(), v.y(), v.z());
+  for (size_t v = 0; v < c.mesh.X_mm.size(); ++v) {
+    const Vec3& X = c.mesh.X_mm[v];
+    t += fmt::format("v {:.5f} {:.5f} {:.5f}", X.x(), X.y(), X.z());
+    if (!c.rgb.empty()) t += fmt::format(" {:.3f} {:.3f} {:.3f}", c.rgb[v].x(), c.rgb[v].y(), c.rgb[v].z());
+    t += '\n';
+  }
   for (const Tri& f : c.mesh.tri) t += fmt::format("f {} {} {}\n", f[0] + 1, f[1] + 1, f[2] + 1);
   return t;
 }

@@ -46,13 +46,12 @@ double property(const LenientJson& of, const char* key, double least, double mos
   return v->number;
 }
 
-/// The first of an object's texture maps is the picture of its skin; numbers stand for the files in textureFiles.
-std::string texture_of(const LenientJson& root, const LenientJson& object, const std::string& file) {
-  const LenientJson *maps = object.find("textureMaps"), *files = root.find("textureFiles");
-  if (!maps || !files || maps->item.empty()) return {};
+/// The picture that a number stands for, by textureFiles. `number` may be null.
+std::string picture_numbered(const LenientJson& root, const LenientJson* number, const std::string& file) {
+  const LenientJson* files = root.find("textureFiles");
+  if (!number || !number->is(LenientJson::Kind::number) || !files) return {};
   for (size_t i = 0; i < files->key.size(); ++i)
-    if (files->item[i].is(LenientJson::Kind::number) && maps->item[0].is(LenientJson::Kind::number) &&
-        files->item[i].number == maps->item[0].number)
+    if (files->item[i].is(LenientJson::Kind::number) && files->item[i].number == number->number)
       return model_name(files->key[i], file, files->item[i].line);
   return {};
 }
@@ -73,10 +72,17 @@ PeerScene parse_peer_scene(std::string_view text, const std::string& file) {
                      fmt::format("dynamicObjects names {} models; expected one", objects->key.size()));
   s.object_line = objects->item[0].line;
   s.object = model_name(objects->key[0], file, s.object_line);
-  s.texture = texture_of(root, objects->item[0], file);
+  // The first of an object's texture maps is the picture of its skin.
+  if (const LenientJson* maps = objects->item[0].find("textureMaps"); maps && !maps->item.empty())
+    s.texture = picture_numbered(root, &maps->item[0], file);
   s.scenery = names_in(root, "staticObjects", file);
   s.volumes = names_in(root, "tetrahedralSubsets", file);
   s.colliders = names_in(root, "fixedCollisionSets", file);
+  const LenientJson* still = root.find("staticObjects");
+  for (const std::string& name : s.colliders) {
+    const LenientJson* object = still ? still->find(name) : nullptr;
+    s.collider_texture.push_back(picture_numbered(root, object ? object->find("textureMap") : nullptr, file));
+  }
   if (const LenientJson* p = part(root, "tetrahedralProperties", LenientJson::Kind::object, file)) {
     s.subdivisions = int(property(*p, "maxDimMegatetSubdivs", 1, 10'000, file));
     s.levels = int(property(*p, "nTetSizeLevels", 1, 12, file));

@@ -45,7 +45,7 @@ std::shared_ptr<const Collider> parse_collider(std::string_view text, const Coll
   const ObjText read = parse_obj_text(text, spec.path, kMostText);
   if (read.face.empty()) throw InputError(spec.path, 0, "no faces; expected an OBJ file with v and f statements");
   auto c = std::make_shared<Collider>();
-  c->name = std::filesystem::path(spec.path).stem().string(), c->colour = spec.colour;
+  c->name = std::filesystem::path(spec.path).stem().string(), c->colour = spec.colour, c->rgb = read.rgb;
   TriMesh& m = c->mesh;
   Vec3 low = Vec3::Constant(1e300), high = -low;
   for (const Vec3& v : read.v) m.X_mm.push_back(spec.scale_to_mm * v);

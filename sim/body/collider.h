@@ -13,6 +13,9 @@ struct Collider {
   std::string name;
   TriMesh mesh;                       // closed, in the body's frame, mm; neither uv nor tags
   Vec3f colour{0.88f, 0.85f, 0.80f};  // sRGB, 0 to 1
+  std::vector<Vec3f> rgb;             // the same of each vertex, where the file has colours; else empty
+
+  const Vec3f& colour_of(size_t vertex) const { return rgb.empty() ? colour : rgb[vertex]; }
 };
 
 struct ColliderSpec {

@@ -82,17 +82,20 @@ Entry body_entry() {
 
 /// What tissue lies against: closed, whatever else.
 Entry collider_entry() {
-  return text_entry("collider", {"sim/body/collider.cpp", "sim/geometry/io/obj_text.cpp"},
-                    {"v 0 0 0\nv 30 0 0\nv 0 20 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"},
-                    [](const std::string& text) -> std::string {
-                      ColliderSpec spec;
-                      spec.path = kNamed;
-                      const auto c = parse_collider(text, spec);
-                      for (const Tri& t : c->mesh.tri)
-                        for (const int32_t v : t)
-                          if (v < 0 || size_t(v) >= c->mesh.X_mm.size()) return "a triangle without its corner";
-                      return c->mesh.tri.size() < 4 ? "a collider that encloses nothing" : "";
-                    });
+  return text_entry(
+      "collider", {"sim/body/collider.cpp", "sim/geometry/io/obj_text.cpp"},
+      {"v 0 0 0\nv 30 0 0\nv 0 20 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n",
+       "v 0 0 0 1 0 0\nv 30 0 0 0 1 0\nv 0 20 0 0 0 1\nv 0 0 10 .5 .5 .5\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"},
+      [](const std::string& text) -> std::string {
+        ColliderSpec spec;
+        spec.path = kNamed;
+        const auto c = parse_collider(text, spec);
+        for (const Tri& t : c->mesh.tri)
+          for (const int32_t v : t)
+            if (v < 0 || size_t(v) >= c->mesh.X_mm.size()) return "a triangle without its corner";
+        if (!c->rgb.empty() && c->rgb.size() != c->mesh.X_mm.size()) return "colours of some vertices";
+        return c->mesh.tri.size() < 4 ? "a collider that encloses nothing" : "";
+      });
 }
 
 Entry material_entry() {

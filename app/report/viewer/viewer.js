@@ -64,7 +64,8 @@ function readModel(file) {
     const p = mesh.primitives[0];
     return {
       base: numbers(file, p.attributes.POSITION), index: numbers(file, p.indices),
-      rgb: file.json.materials[p.material].pbrMetallicRoughness.baseColorFactor.slice(0, 3)
+      rgb: file.json.materials[p.material].pbrMetallicRoughness.baseColorFactor.slice(0, 3),
+      rgba: p.attributes.COLOR_0 === undefined ? null : numbers(file, p.attributes.COLOR_0)
     };
   });
   const shapes = file.json.meshes.filter((mesh) => !mesh.extras.still).map((mesh) => {
@@ -285,7 +286,7 @@ function colourTable(hex) {
 function stillMesh(s, told, material) {
   const n = s.base.length / 4, x = new Float32Array(3 * n), rgb = new Float32Array(3 * n);
   for (let v = 0; v < n; ++v)
-    for (let k = 0; k < 3; ++k) x[3 * v + k] = told.low_mm[k] + told.step_mm * s.base[4 * v + k], rgb[3 * v + k] = s.rgb[k];
+    for (let k = 0; k < 3; ++k) x[3 * v + k] = told.low_mm[k] + told.step_mm * s.base[4 * v + k], rgb[3 * v + k] = s.rgba ? s.rgba[4 * v + k] / 255 : s.rgb[k];
   const g = new THREE.BufferGeometry();
   g.setAttribute('position', new THREE.BufferAttribute(x, 3));
   g.setAttribute('rgba', new THREE.BufferAttribute(rgb, 3));

@@ -64,6 +64,7 @@ class ObjParser {
       for (int k = 0; k < 3; ++k) p[k] = real(word(l), "a vertex needs three finite numbers");
       if (out_.v.size() == limits_.vertices) fail(fmt::format("more than {} vertices", limits_.vertices));
       out_.v.push_back(p);
+      colour(l);
     } else if (key == "vt" && limits_.texture) {
       Eigen::Vector2f uv;
       for (int k = 0; k < 2; ++k) {
@@ -77,6 +78,18 @@ class ObjParser {
     } else if (key == "usemtl") {
       use(word(l));
     }
+  }
+
+  /// What stands behind a place: three numbers from 0 to 1, or nothing of ours.
+  void colour(std::string_view l) {
+    if (out_.rgb.size() + 1 != out_.v.size()) return;  // one before had none
+    Vec3f c;
+    for (int k = 0; k < 3; ++k) {
+      const std::string_view w = word(l);
+      const auto [end, ec] = std::from_chars(w.data(), w.data() + w.size(), c[k]);
+      if (w.empty() || ec != std::errc() || end != w.data() + w.size() || !(c[k] >= 0 && c[k] <= 1)) return;
+    }
+    out_.rgb.push_back(c);
   }
 
   void use(std::string_view name) {
@@ -128,6 +141,7 @@ class ObjParser {
   }
 
   void check_indices() {
+    if (out_.rgb.size() != out_.v.size()) out_.rgb.clear();
     const auto check = [&](int32_t i, size_t count, const char* of) {
       if (i >= 0 && size_t(i) >= count)
         fail(fmt::format("a face names {} {}; there are {}", of, int64_t(i) + 1, count));

@@ -2,7 +2,7 @@
 // The statements v, vt, f and usemtl of a Wavefront OBJ file: what every reader of such files begins with.
 //
 // Read: triangles and polygons, v, v/vt, v//vn and v/vt/vn, negative indices (from the end so far), \r\n line ends,
-// # comments and line continuation by a backslash. Other statements (vn, s, g, o, mtllib ...) are skipped. A face may
+// # comments and line continuation by a backslash; colours of vertices, as scanners write them (v x y z r g b). Other statements (vn, s, g, o, mtllib ...) are skipped. A face may
 // name points that follow it.
 #include <limits>
 #include <string>
@@ -24,6 +24,7 @@ struct ObjText {
     int32_t material = -1;  // of `material`; -1: before the first usemtl
   };
   std::vector<Vec3> v;
+  std::vector<Vec3f> rgb;  // of each v, 0 to 1, where all have their colour behind their place; else empty
   std::vector<Eigen::Vector2f> vt;
   std::vector<Corner> corner;
   std::vector<Face> face;

@@ -208,7 +208,30 @@ TEST(PageModel, WhatTheTissueLiesAgainstIsThereOnce) {
   EXPECT_NEAR(rgb[0].get<double>(), 1, 1e-6);
   EXPECT_NEAR(rgb[1].get<double>(), .2140, 5e-5);
   EXPECT_EQ(rgb[2].get<double>(), 0);
+  EXPECT_FALSE(m.first(1)["attributes"].contains("COLOR_0"));
   for (const json& child : m.j["nodes"][1]["children"]) EXPECT_LT(child.get<size_t>(), m.j["nodes"].size());
+}
+
+TEST(PageModel, WhatHasColoursOfItsOwnHasThemInThePage) {
+  InlineWorkers workers;
+  WorldSpec spec = block_before_a_wedge();
+  auto body = std::make_shared<Body>(*spec.body);
+  body->colliders = {
+      parse_collider("v 40 0 0 1 0 0\nv 48 0 0 0 .5 0\nv 40 8 0 0 0 1\nv 40 0 8 1 1 1\n"
+                     "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n",
+                     {"wedge.obj"})};
+  spec.body = body;
+  World world(spec, workers);
+  PageModel model("act");
+  Snapshot seen;
+  world.fill(seen);
+  model.frame(0, seen);
+  const Model m(model.bytes("block", somewhere(), 16. / 9));
+  const auto rgba = m.numbers<std::array<uint8_t, 4>>(m.first(1)["attributes"]["COLOR_0"]);
+  ASSERT_EQ(rgba.size(), 4u);
+  EXPECT_EQ(rgba[0], (std::array<uint8_t, 4>{255, 0, 0, 255}));
+  EXPECT_EQ(rgba[1], (std::array<uint8_t, 4>{0, 55, 0, 255})) << "255 x .2140";
+  EXPECT_EQ(rgba[3], (std::array<uint8_t, 4>{255, 255, 255, 255}));
 }
 
 TEST(PageModel, FramesBetweenStagesGiveWayToSize) {

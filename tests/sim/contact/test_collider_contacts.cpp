@@ -151,6 +151,22 @@ TEST(Colliders, UndoBringsBackWhatPressed) {
   EXPECT_LT((world.skin()->collider_force_mN() - force_mN).norm(), 1e-2 * force_mN.norm());
 }
 
+TEST(Colliders, ColoursOfVerticesAreReadWhereAllHaveThem) {
+  const auto colours = [](const char* first, const char* second) {
+    const std::string text = std::string("v 0 0 0") + first + "\nv 30 0 0" + second +
+                             "\nv 0 20 0 0 0 1\nv 0 0 10 1 1 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    return parse_collider(text, {"wedge.obj"})->rgb;
+  };
+  const std::vector<Vec3f> all = colours(" 1 0 0", " 0 .5 0");
+  ASSERT_EQ(all.size(), 4u);
+  EXPECT_EQ(all[1], Vec3f(0, 0.5f, 0));
+  EXPECT_TRUE(colours("", " 0 .5 0").empty()) << "one has none";
+  EXPECT_TRUE(colours(" 1 0 0", "").empty());
+  EXPECT_TRUE(colours(" 255 0 0", " 0 .5 0").empty()) << "not from 0 to 1";
+  EXPECT_TRUE(colours(" 1", " 0 .5 0").empty()) << "a weight";
+  EXPECT_TRUE(colours(" 1 0 nan", " 0 .5 0").empty());
+}
+
 TEST(Colliders, OpenInwardOrEndlessSurfacesAreRefusedWithTheirLine) {
   const auto why = [](const std::string& text, double scale = 1) -> std::string {
     ColliderSpec spec;
