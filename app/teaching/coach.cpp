@@ -161,6 +161,8 @@ void Coach::judge_newest() {
   const size_t newest = standing_.size() - 1;
   const Command& c = standing_[newest].command;
   if (const auto* bite = std::get_if<SutureBite>(&c)) return new_bites_.push_back(*bite);
+  if (std::holds_alternative<LetThreadGo>(c))
+    return say(w("The thread is not tied: the edges part again. The next bite draws it tight; Shift+0 ties it."));
   if (const std::string limit = over_limit(c); !limit.empty()) return say(limit + " " + take_back);
   if (const int act = attempt_at(progress_, newest); act >= 0) {
     const std::string order = out_of_order(size_t(act)), off = gentle_word(progress_.act[size_t(act)].offs);
