@@ -23,6 +23,8 @@ bool draws(Tool t) {
          t == Tool::marker || t == Tool::swab;
 }
 
+constexpr int64_t kNoThread = -1, kInHand = -2;  // instead of the tick at which it was laid down
+
 bool holds_thread(Tool t) { return t == Tool::suture_bites || t == Tool::suture_knot; }
 
 }  // namespace
@@ -109,9 +111,10 @@ void Gestures::control(const ControlSample& c, int64_t tick, const Snapshot& s, 
       cancel(tick, s, out);
       if (acts_on_bone(tool_) != acts_on_bone(c.tool) || (tool_ == Tool::suture_deep) != (c.tool == Tool::suture_deep))
         touch_ = {};  // another ground
-      if (holds_thread(tool_) != holds_thread(c.tool) && c.tool != Tool::swab)
-        laid_down_ = g_.threads_slip && holds_thread(tool_) ? tick : -1;
-      if (c.tool == Tool::suture_bites) knotted_ = 0;
+      if (holds_thread(c.tool))
+        laid_down_ = kInHand, knotted_ = c.tool == Tool::suture_bites ? 0 : knotted_;
+      else if (laid_down_ == kInHand && c.tool != Tool::swab)
+        laid_down_ = g_.threads_slip ? tick : kNoThread;
       tool_ = c.tool;
       depth_mm_ = c.value[kDepth] > 0 ? c.value[kDepth] : g_.default_depth_mm;
       angle_deg_ = c.value[kAngle] > 0 && c.value[kAngle] < 180 ? c.value[kAngle] : 0;
@@ -308,7 +311,7 @@ void Gestures::let_thread_go(int64_t tick, const Snapshot& s, EventSink& out) {
   constexpr int64_t kSeenLate = 1000;  // ticks
   if (laid_down_ < 0 || tick - laid_down_ > kSeenLate) return;
   if (s.sewn.thread == 0 || s.sewn.let_go || s.sewn.thread == knotted_) return;
-  laid_down_ = -1;
+  laid_down_ = kNoThread;
   emit(event(ToolEvent::suture_let_go, tick, s), out);
 }
 

@@ -23,7 +23,7 @@ namespace {
 // Wheeler's Dental Anatomy) in a jaw of 42 mm from the incisors' edge to the chin, and 3 mm behind Me's front-to-back
 // place. Both 5 and 42 mm are as remembered from teaching, not looked up. Not less than 7 mm of bone for a plate.
 constexpr double kCanine = 27.0 / 42, kBelowApices_mm = 5, kApicesBehind_mm = 3, kLeastChin_mm = 7, kMostChin_mm = 14;
-constexpr double kChinFalls = 1.0 / 3;  // the cut against the lower border, on each mm backwards
+constexpr double kChinFalls = 0.415;  // the cut against the lower border, on each mm backwards: nearly level
 constexpr double kMove_s = 3, kRest_s = 1;
 // A Le Fort I goes 5 mm above the roots' tips at least (Bell 1992); these end near the floor of the nose, the line from
 // the spine in front to the one behind.
