@@ -112,7 +112,13 @@ void Coach::hear(const Notice& n) {
   if (n.kind == Notice::refused) {
     if (shown_) return say(plan_.w("What was to be shown cannot be done here: {}.", plan_.w.said(n.text.data())));
     ++refused_;
-    return say(plan_.w("Not done: {}.", plan_.w.said(n.text.data())));
+    std::string word = plan_.w("Not done: {}.", plan_.w.said(n.text.data()));
+    const auto* bone = std::get_if<HeadCommand>(n.command.get());
+    const auto* sawn = bone ? std::get_if<CutBone>(bone) : nullptr;
+    if (sawn && !sawn->contour_mm.empty())  // by hand: what the mesh says of it is of little help
+      word += std::string(" ") +
+              plan_.w("Lead the saw once all round the bone, behind as well, and back to where the line began.");
+    return say(word);
   }
   if (const auto* s = std::get_if<Shown>(n.command.get())) shown_ = s->begins;
   script_.push_back(*n.command);
