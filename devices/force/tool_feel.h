@@ -19,7 +19,6 @@
 // What is chosen: the widths of the tools, x, T0 and mu; and of a scalpel what it takes to break through and to go
 // deeper (ForceSourceSettings).
 #include "devices/sample.h"
-#include "sim/patient/thread_friction.h"
 
 namespace limberg {
 
@@ -50,7 +49,7 @@ inline ToolFeel feel_of(Tool tool, double scalpel_puncture_N, double scalpel_cut
     case Tool::suture:
       f.puncture_N = kNeedleInSkin_N_mm * kNeedle_mm / kTearing;
       f.cutting_N = (kTearing + kFriction) * f.puncture_N;
-      f.thread_N = kThreadDrag_N, f.thread_friction = kThreadFriction;
+      f.thread_N = 0.15, f.thread_friction = 0.3;
       break;
     default:
       break;
