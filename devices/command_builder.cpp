@@ -154,6 +154,8 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
       return {};
     case ToolEvent::suture_knot:
       return TieSuture{};
+    case ToolEvent::suture_let_go:
+      return LetThreadGo{};
     case ToolEvent::suture_cut:
       return CutSuture{{0, here}};
     case ToolEvent::bone_grab:

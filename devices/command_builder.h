@@ -22,7 +22,7 @@ class CommandBuilder {
   ///   when it was plainly drawn the other way); hook_set -> SetHook; hook_leave -> MoveHook to where it was left,
   ///   seconds 0; hook_release -> ReleaseHook; suture_b -> Suture, or SutureCorner where suture_tip came before;
   ///   of the running stitch SutureBite, of a stitch in a cut face InSpace; suture_knot -> TieSuture;
-  ///   suture_cut -> CutSuture; undo -> Undo; redo -> Redo; stage -> Stage.
+  ///   suture_let_go -> LetThreadGo; suture_cut -> CutSuture; undo -> Undo; redo -> Redo; stage -> Stage.
   ///   Of the saw stroke_end -> CutBone (bone_contour.h); bone_grab -> GrabFragment; bone_drag -> DragFragment to where
   ///   it was taken,
   ///   seconds 0; bone_release -> LetGo. command -> that command.

@@ -23,6 +23,10 @@ bool draws(Tool t) {
          t == Tool::marker || t == Tool::swab;
 }
 
+constexpr int64_t kNoThread = -1, kInHand = -2;  // instead of the tick at which it was laid down
+
+bool holds_thread(Tool t) { return t == Tool::suture_bites || t == Tool::suture_knot; }
+
 }  // namespace
 
 ToolEvent Gestures::event(int kind, int64_t tick, const Snapshot& s) const {
@@ -107,6 +111,10 @@ void Gestures::control(const ControlSample& c, int64_t tick, const Snapshot& s, 
       cancel(tick, s, out);
       if (acts_on_bone(tool_) != acts_on_bone(c.tool) || (tool_ == Tool::suture_deep) != (c.tool == Tool::suture_deep))
         touch_ = {};  // another ground
+      if (holds_thread(c.tool))
+        laid_down_ = kInHand, knotted_ = c.tool == Tool::suture_bites ? 0 : knotted_;
+      else if (laid_down_ == kInHand && c.tool != Tool::swab)
+        laid_down_ = g_.threads_slip ? tick : kNoThread;
       tool_ = c.tool;
       depth_mm_ = c.value[kDepth] > 0 ? c.value[kDepth] : g_.default_depth_mm;
       angle_deg_ = c.value[kAngle] > 0 && c.value[kAngle] < 180 ? c.value[kAngle] : 0;
@@ -295,7 +303,16 @@ void Gestures::press_knot(int64_t tick, const Snapshot& s, EventSink& out) {
   const SewnThread& t = s.sewn;
   if (t.thread == 0 || (t.end_mm.cast<double>() - touch_.x_mm).norm() > g_.knot_mm)
     return miss(MissedPress::no_thread, tick, out);
+  knotted_ = t.thread;
   emit(event(ToolEvent::suture_knot, tick, s), out);
+}
+
+void Gestures::let_thread_go(int64_t tick, const Snapshot& s, EventSink& out) {
+  constexpr int64_t kSeenLate = 1000;  // ticks
+  if (laid_down_ < 0 || tick - laid_down_ > kSeenLate) return;
+  if (s.sewn.thread == 0 || s.sewn.let_go || s.sewn.thread == knotted_) return;
+  laid_down_ = kNoThread;
+  emit(event(ToolEvent::suture_let_go, tick, s), out);
 }
 
 /// Let go: across the wound, or in the tip of a flap.
@@ -478,6 +495,7 @@ void Gestures::tick(int64_t tick, const Pose& hand, bool pressed, int edges, con
   state_.tick = tick;
   state_.tool = int32_t(tool_);
   state_.valid = pose.valid;
+  let_thread_go(tick, s, out);
   if (!pose.valid) {
     // A gesture waits for the hand to come back; the hook that it holds stays where it is.
     state_.pressed = 0;

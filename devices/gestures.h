@@ -13,6 +13,7 @@
 //   suture_corner      press on a bank, let go in the flap's tip, press on the other bank
 //   suture_bites       the same; each stitch goes on with the thread of the one before
 //   suture_knot        press beside the last bite of that thread: it is tied there
+//                      A hand that takes another tool, but the swab, lets go of a thread that is not tied
 //   suture_row_buried  two strokes, as of a row; the bites lie in the wound's walls
 //   suture_deep        press at a, let go at b: each on skin or on a cut face, a flap's underside, its bed, a wall
 //   scissors           press beside a stitch: its thread is cut; press at an edge of the wound, draw, let go: a cut
@@ -50,6 +51,7 @@ struct GestureSettings {
   double apart_mm = 1.5;       // a stitch's second place is sought so far from the tip on other skin than the first
   double rest_mm = 0.8;        // a hand that stayed within this for a tenth of a second rests
   double default_depth_mm = 4, default_spacing_mm = 4;
+  bool threads_slip = true;  // false, of recordings before there was suture_let_go: a thread is held by nobody
 };
 
 class Gestures {
@@ -96,6 +98,8 @@ class Gestures {
   void bite(const Snapshot& s, EventSink& out, int64_t tick);
   void second_bite(int64_t tick, const Snapshot& s, EventSink& out);
   void show_bites(const Snapshot& s);
+  /// A bite that was just let go may not have been seen yet.
+  void let_thread_go(int64_t tick, const Snapshot& s, EventSink& out);
   void press_knot(int64_t tick, const Snapshot& s, EventSink& out);
   /// Of the touched place, in the tissue by a little where that is a cut face.
   void emit_bite(int kind, int64_t tick, const Snapshot& s, EventSink& out);
@@ -127,6 +131,8 @@ class Gestures {
   EdgeStroke edge_;                     // of a suture row
   std::array<SkinTouch, 2> bite_;       // of a stitch that is begun, the last two
   bool corner_waits_ = false;           // for its third bite
+  int32_t knotted_ = 0;                 // the thread whose knot was made, until the patient shows it
+  int64_t laid_down_ = -1;              // at this tick needle or knot went out of the hand, and a thread may hang on it
   SkinTouch last_stroke_;               // the stroke's newest point
   Vec3 last_drawn_tip_ = Vec3::Zero();  // where the hand was then
   int64_t lost_tick_ = -1;              // tracking was lost at this tick, during a gesture

@@ -33,6 +33,7 @@ struct SessionInfo {
   std::array<uint64_t, 4> seeds{};
   static constexpr size_t kGoesOnWith = 3;
   static constexpr uint64_t kProgressiveCut = 1;  // option: incisions opened while they were drawn
+  static constexpr uint64_t kThreadsSlip = 2;     // option: threads slipped that were laid down untied
   int64_t tick_ns = 1'000'000;
   int32_t ticks_per_solver_step = 8;
   int32_t ticks_per_frame = 16;

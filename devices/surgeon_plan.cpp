@@ -283,6 +283,9 @@ void SurgeonPlan::plan(const TieSuture&) {
   rise(aim);
 }
 
+/// The needle is laid down, and nothing else is taken.
+void SurgeonPlan::plan(const LetThreadGo&) { control(ControlSample::select_tool, Tool::none); }
+
 /// A stitch in cut faces, where these lie now; of other acts in space a hand knows none.
 void SurgeonPlan::plan(const InSpace& c) {
   const auto* s = std::get_if<Suture>(&c.act);

@@ -80,6 +80,7 @@ class SurgeonPlan {
   void plan(const SutureCorner& c);
   void plan(const SutureBite& c);
   void plan(const TieSuture& c);
+  void plan(const LetThreadGo& c);
   void plan(const InSpace& c);
   void plan(const Mark& c);
   void plan(const SutureBetween& c);

@@ -29,10 +29,11 @@ struct ToolEvent {
     bone_grab,
     bone_drag,  // where the fragment was taken in the end: world_mm and quat, the map of places since it was grabbed
     bone_release,
-    name_place,  // of a head: rest_mm has the name `text` from now on; id 1: on the face
-    told,        // what a panel or a program says: `command`; without one it says nothing yet
-    suture_tip,  // of a corner's stitch: between suture_a and suture_b, the needle goes through the flap's tip
-    suture_knot  // the thread that is sewn bite after bite is tied
+    name_place,    // of a head: rest_mm has the name `text` from now on; id 1: on the face
+    told,          // what a panel or a program says: `command`; without one it says nothing yet
+    suture_tip,    // of a corner's stitch: between suture_a and suture_b, the needle goes through the flap's tip
+    suture_knot,   // the thread that is sewn bite after bite is tied
+    suture_let_go  // ... is let go: the hand takes another tool
   };
   int64_t seq = 0;        // counts events, gaps are losses
   int64_t tick = 0;       // device tick, 1 ms

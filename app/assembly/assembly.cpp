@@ -7,8 +7,9 @@ namespace limberg {
 
 namespace {
 
-GestureSettings gestures(const Scene& scene) {
+GestureSettings gestures(const Scene& scene, bool threads_slip) {
   GestureSettings g;
+  g.threads_slip = threads_slip;
   g.reach_mm = scene.tools.reach_mm;
   g.default_depth_mm = scene.tools.default_depth_mm;
   g.default_spacing_mm = scene.tools.default_spacing_mm;
@@ -49,7 +50,7 @@ Assembly::Assembly(Scene scene_in, const Calibration& calibration_in, const Asse
       world(make_world(scene, workers)),
       head(world->head()),
       patient(std::make_unique<WorldPatient>(*world, scene.tools.max_depth_mm)),
-      front(calibration, gestures(scene)),
+      front(calibration, gestures(scene, o.threads_slip)),
       device(front, channels, o.record, o.record && o.real_time),
       script(open_script(o.script_file, scene)),
       repro(o.repro_dir, blank_repro(scene, scene.cell_mm, scene.seed)),

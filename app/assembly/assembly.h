@@ -22,6 +22,7 @@ struct AssemblyOptions {
   bool record = false;           // pass samples on to a recorder
   bool real_time = false;        // take a new preconditioner as soon as it is there
   bool progressive_cut = false;  // incisions open while they are drawn
+  bool threads_slip = true;      // that are laid down untied (gestures.h)
   bool draw_frames = false;      // frames for the sink, not only stages
   PictureSink* sink = nullptr;
   std::string repro_dir;    // where refused cuts leave a file to try them again; empty: nowhere

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <set>
 
+#include "app/assembly/cut_distance.h"
+#include "sim/commands/authorship.h"
 #include "sim/geometry/rotation.h"
 #include "sim/imaging/register/superposition.h"
 #include "sim/measure/cephalometry.h"
@@ -104,6 +106,16 @@ void look_at_cuts(LessonValues& v, const BonePlan& plan, const Head& head, const
   if (!v.value.count("osteotomy_gap_mm")) v.why_not["osteotomy_gap_mm"] = "a cut was looked for; nothing was cut";
 }
 
+void look_at_limits(LessonValues& v, std::span<const Command> done, std::span<const SafeLimit> limits) {
+  v.value["too_near_mm"] = 0;
+  for (const StandingAct& a : standing_acts(done))
+    for (const SafeLimit& l : limits)
+      if (const auto* h = std::get_if<HeadCommand>(&a.command))
+        if (const auto near = nearest_to_limit_mm(l, *h))
+          largest(v, "too_near_mm", std::max(0.0, l.nearest_mm - *near),
+                  fmt::format("{} {:.1f} mm away", l.name, *near));
+}
+
 void compare_figures(LessonValues& v, const BonePlan& plan, const Head& head) {
   std::vector<NamedPoint> points;
   for (const auto& [name, x] : head.landmarks_now()) points.push_back({name, x, 0});
@@ -156,7 +168,7 @@ std::string plan_lacks(const BonePlan& plan, std::span<const HeadLandmark> landm
 }
 
 LessonValues bone_values(const BonePlan& plan, const Head& head, const std::optional<BoneOutside>& outside,
-                         std::span<const Command> done) {
+                         std::span<const Command> done, std::span<const SafeLimit> limits) {
   LessonValues v;
   const std::set<std::string> names = names_of(plan);
   for (const std::string& n : placed_anew(done))
@@ -175,6 +187,7 @@ LessonValues bone_values(const BonePlan& plan, const Head& head, const std::opti
   for (const PlannedPiece& p : plan.pieces) follow_piece(v, p, at, symmetry);
   for (const std::string& n : plan.stays) largest(v, "stays_mm", (at.at(n).now_mm - at.at(n).first_mm).norm(), n);
   look_at_cuts(v, plan, head, at);
+  look_at_limits(v, done, limits);
   compare_figures(v, plan, head);
   if (outside)
     v.value["bone_outside_mm"] = outside->depth_mm;

@@ -24,6 +24,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/assembly/lesson_steps.h"
 #include "sim/commands/command.h"
 #include "sim/measure/bone_outside.h"
 #include "sim/skull/head/head.h"
@@ -60,10 +61,11 @@ std::string plan_lacks(const BonePlan& plan, std::span<const HeadLandmark> landm
 /// midline_mm             of a piece's landmarks in the middle, from the plane of symmetry of what stays in the cranium
 /// osteotomy_gap_mm       mean gap between a piece and what it was cut from, the widest of all
 /// osteotomy_overlap_mm   how deep a piece lies in other bone
+/// too_near_mm            by how much a cut comes nearer to a [[limit]] on bone than the lesson keeps, the worst
 /// bone_outside_mm        how far bone stands out of the skin
 /// cephalometry_mm, cephalometry_deg      from what [bone.cephalometry] asks, the farthest
-/// `done`: what was carried out.
+/// `done`: what was carried out; cuts that were taken back do not count.
 LessonValues bone_values(const BonePlan& plan, const Head& head, const std::optional<BoneOutside>& outside,
-                         std::span<const Command> done);
+                         std::span<const Command> done, std::span<const SafeLimit> limits);
 
 }  // namespace limberg

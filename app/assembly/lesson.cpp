@@ -56,6 +56,7 @@ constexpr Known kKnown[] = {{"corner_mm", nullptr, "mm", 100},
                             {"midline_mm", nullptr, "mm", 100, Known::bone},
                             {"osteotomy_gap_mm", nullptr, "mm", 100, Known::bone},
                             {"osteotomy_overlap_mm", nullptr, "mm", 100, Known::bone},
+                            {"too_near_mm", nullptr, "mm", 100, Known::bone},
                             {"bone_outside_mm", nullptr, "mm", 100, Known::bone},
                             {"cephalometry_mm", nullptr, "mm", 100, Known::bone},
                             {"cephalometry_deg", nullptr, "degrees", 180, Known::bone},
@@ -410,7 +411,7 @@ void withhold_shown(std::vector<Judgement>& judged, std::span<const Command> scr
 namespace {
 
 /// What a learner can do about a tolerance that was missed.
-constexpr std::array<std::array<const char*, 3>, 29> kAdvice{
+constexpr std::array<std::array<const char*, 3>, 30> kAdvice{
     {{"corner_mm", english("Corners of the cuts"),
       english("mark the corners before you cut, and draw from one to the next")},
      {"angle_deg", english("Angles of the cuts"),
@@ -442,6 +443,8 @@ constexpr std::array<std::array<const char*, 3>, 29> kAdvice{
      {"osteotomy_gap_mm", english("Gap of the bone cut"), english("let the piece slide along its cut")},
      {"osteotomy_overlap_mm", english("Bone in bone"),
       english("take away what stands in the piece's way, or carry it less far")},
+     {"too_near_mm", english("Cut too near to what must be spared"),
+      english("saw farther away from the red line: roots and nerve lie there")},
      {"bone_outside_mm", english("Bone outside the skin"), english("bone stands out of the skin: carry it less far")},
      {"cephalometry_mm", english("Cephalometry"), english("measure the bite before you plate it")},
      {"cephalometry_deg", english("Angles of cephalometry"),

@@ -19,7 +19,7 @@
 //                                           of result.json's metrics; gap_mm: of the bites of a stitch, wound_gape_mm:
 //                                           of the edge between stitches, 95 % of it
 //   pieces_wrong, piece_mm, piece_deg, sideways_mm, forwards_mm, upwards_mm, stays_mm, midline_mm, osteotomy_gap_mm,
-//   osteotomy_overlap_mm, bone_outside_mm, cephalometry_mm, cephalometry_deg      of bones (bone_lesson.h)
+//   osteotomy_overlap_mm, too_near_mm, bone_outside_mm, cephalometry_mm, cephalometry_deg      of bones (bone_lesson.h)
 //   time_s, path_mm, movements, undos       of the hand; judged where there was one
 //   [landmarks]  ala = [x, y]               places that must not be drawn away
 //   [[step]], [[limit]]                     what is said at each step, what is not to be crossed (lesson_steps.h)

@@ -27,6 +27,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/body/chart.h"
 #include "sim/geometry/vec.h"
 
 namespace limberg {

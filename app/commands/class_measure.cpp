@@ -178,7 +178,7 @@ std::optional<std::string> of_recording(const FoundSession& session, const Class
   Channels* channels = nullptr;
   AssemblyOptions o;
   o.workers = how.workers;
-  o.progressive_cut = call.progressive_cut;
+  o.progressive_cut = call.progressive_cut, o.threads_slip = call.threads_slip;
   o.watch = [&](const World& world, const Command* act, double t_s, const HandState* hands) {
     if (act)
       watcher.act(t_s);
@@ -271,9 +271,11 @@ std::optional<std::string> of_script(const FoundSession& session, const ClassMea
     e.refused = int(o.refused.size());
     std::optional<BoneOutside> outside;
     if (head->has_face()) outside = bone_outside(last);
-    fill_exercise(
-        r, e, how.lesson && how.lesson->bone ? bone_values(*how.lesson->bone, *head, outside, done) : LessonValues{},
-        how.lesson);
+    fill_exercise(r, e,
+                  how.lesson && how.lesson->bone
+                      ? bone_values(*how.lesson->bone, *head, outside, done, how.lesson->words.limits)
+                      : LessonValues{},
+                  how.lesson);
   }
   ResultStory story;
   story.script = script_of(done);

@@ -71,6 +71,19 @@ Landmark parse_landmark(const std::string& text) {
   return l;
 }
 
+/// "rhomboid, side 16.2 mm, turned 270°, mirrored"
+std::string spoken_design(const Design& d) {
+  std::string s = d.plan.procedure;
+  for (const auto& [key, value] : d.plan.values) {
+    const size_t unit = key.rfind('_');
+    s += fmt::format(", {} {:.3g}", key.substr(0, unit), value);
+    if (unit != key.npos) s += key.substr(unit) == "_deg" ? "°" : " " + key.substr(unit + 1);
+  }
+  s += fmt::format(", turned {:g}°{}", d.plan.turn_deg, d.plan.mirrored ? ", mirrored" : "");
+  std::replace(s.begin(), s.end(), '_', ' ');
+  return s;
+}
+
 int design(DesignOptions o) {
   catch_interrupts();
   o.common.prepare();
@@ -114,17 +127,8 @@ int design(DesignOptions o) {
       "The best of the first pass were carried out "
       "again on fine cells and are ranked among themselves by what they cost there; those in brackets, without a cost, "
       "are ranked by the first pass, and their figures are of its cells.";
-  table.columns = {"",
-                   "design",
-                   "cells, mm",
-                   "cost",
-                   "first pass",
-                   "largest stitch, N",
-                   "closure, N",
-                   "dog-ear, mm",
-                   "landmark, mm",
-                   "skin taken, mm2",
-                   "scar, mm"};
+  table.columns = {"design",     "cells, mm",   "cost",         "first pass",      "largest stitch, N",
+                   "closure, N", "dog-ear, mm", "landmark, mm", "skin taken, mm2", "scar, mm"};
   std::printf("%5s %-58s %6s %7s %7s %8s %9s %8s %9s %8s %7s\n", "", "design", "cells", "cost", "1st", "stitch N",
               "closure N", "ear mm", "landm. mm", "skin mm2", "scar mm");
   int rank = 0, dropped = 0;
@@ -143,7 +147,7 @@ int design(DesignOptions o) {
                         d.closure_N, d.dog_ear_mm, d.landmark_mm, d.waste_mm2, d.scar_mm, d.residual});
     const std::string place = d.fine ? std::to_string(rank) : "(" + std::to_string(rank) + ")",
                       cost = d.fine ? short_number(d.cost, 3) : "-";
-    table.rows.push_back({place, d.name(), short_number(d.cell_mm), cost, short_number(d.first_cost, 3),
+    table.rows.push_back({place + " " + spoken_design(d), short_number(d.cell_mm), cost, short_number(d.first_cost, 3),
                           short_number(d.force_N, 3), short_number(d.closure_N, 3), short_number(d.dog_ear_mm, 3),
                           short_number(d.landmark_mm, 3), short_number(d.waste_mm2, 3), short_number(d.scar_mm, 3)});
     if (rank <= o.show)

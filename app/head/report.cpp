@@ -93,7 +93,7 @@ ResultTable fits(std::vector<ResultFit>& out, const Head& head) {
   ResultTable t;
   t.title = english("Fragments that fit each other");
   t.about = english(
-      "Found by their cut rings, wherever they lie, and verified (sim/skull/bone/sorting.h); how to move the second "
+      "Found by their cut rings, wherever they lie, and verified; how to move the second "
       "one so "
       "that it fits the first where that is now (one of them at a time: \"sort\" in a script puts all of them "
       "together). Those that would have fitted are named with the reason.");
@@ -120,7 +120,7 @@ ResultTable fits(std::vector<ResultFit>& out, const Head& head) {
     out.push_back({stays, moves, m.length_mm, m.residual_mm,
                    to_json_line(Command(HeadCommand(MoveFragment{{moves, Vec3::Zero()}, move, 2})))});
     t.rows.push_back({name_of(head, stays) + " - " + name_of(head, moves), short_number(m.length_mm, 3),
-                      short_number(m.residual_mm, 2), short_number(move.translation_mm.x(), 3),
+                      short_number(std::round(1e4 * m.residual_mm) / 1e4, 2), short_number(move.translation_mm.x(), 3),
                       short_number(move.translation_mm.y(), 3), short_number(move.translation_mm.z(), 3),
                       short_number(turned_deg(by), 3)});
   }

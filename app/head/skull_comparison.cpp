@@ -151,9 +151,11 @@ SkullComparison compare_with(const Head& head, const Surface& other, const std::
 
 namespace {
 
+constexpr const char* kMirrorImage = "its unmoved mirror image";
+
 SkullFit fit_to_mirror(const Surface& skull, Workers& w) {
   SkullFit f;
-  f.with = "its unmoved mirror image";
+  f.with = kMirrorImage;
   std::string reason;
   const Surface other = mirror_image(skull, reason, w);
   if (reason.empty()) return lay_upon(skull, other, f.with, false, w);
@@ -183,13 +185,14 @@ class SkullPictures {
       // said once already, where the other pictures were to be made
     }
   }
-  void draw(const std::string& file, const std::string& title, const Surface& skull, const DistanceMap& d,
-            double most_mm) {
+  /// `label` stands in the picture, which is no wider than a third of the page; `caption` says what is laid on what.
+  void draw(const std::string& file, const std::string& label, const std::string& caption, const Surface& skull,
+            const DistanceMap& d, double most_mm) {
     if (!maker_) return;
     PictureOptions o;
-    o.legend = "Distance", o.field_max = std::ceil(std::max(1.0, most_mm)), o.title = title;
+    o.legend = "Distance", o.field_max = std::ceil(std::max(1.0, most_mm)), o.title = label;
     write_png(dir_ + "/head/" + file, maker_->moved(coloured_skull(skull, d, ++version_), o));
-    append(result_, "/gallery", ResultPicture{"head/" + file, title});
+    append(result_, "/gallery", ResultPicture{"head/" + file, caption});
   }
 
  private:
@@ -226,6 +229,17 @@ double largest_p95(const std::vector<double>& d, const std::vector<int32_t>& fra
   return most;
 }
 
+std::string label_of(const std::string& with, bool after) {
+  return (with == kMirrorImage ? "From its mirror image" : "From " + with) + (after ? ", after" : ", before");
+}
+/// The mirror image is always that of the skull before the operation.
+std::string caption_of(const std::string& with, bool after) {
+  if (with != kMirrorImage)
+    return "Distance from " + with + (after ? ", after the operation" : ", before the operation");
+  return after ? "After the operation: distance from the mirror image of the skull before it"
+               : "Before the operation: distance from its own mirror image";
+}
+
 /// At the end, before the operation and after it.
 void report_end(Result& r, const Head& head, const SkullFit (&fits)[2], const std::string& dir, SkullPictures* pictures,
                 Workers& w) {
@@ -257,8 +271,7 @@ void report_end(Result& r, const Head& head, const SkullFit (&fits)[2], const st
     const double most =
         std::max(largest_p95(c.before.signed_mm, c.fragment), largest_p95(c.after.signed_mm, c.fragment));
     for (const bool after : {false, true})
-      pictures->draw(file + (after ? "-after.png" : "-before.png"),
-                     "Distance from " + c.with + (after ? ", after" : ", before"),
+      pictures->draw(file + (after ? "-after.png" : "-before.png"), label_of(c.with, after), caption_of(c.with, after),
                      {after ? c.now_mm : c.at_rest_mm, c.tri}, after ? c.after : c.before, most);
   }
   if (!t.rows.empty()) add_table(r, t);
@@ -292,7 +305,7 @@ void report_moments(Result& r, const Head& head, const SkullFit (&fits)[2], cons
     for (const auto& [id, name] : m.names) row(name, id);
     write_whole_file(dir + "/" + file + ".csv", map_csv(c));
     if (pictures)
-      pictures->draw(file + ".png", m.name + ": distance from " + c.with, {c.now_mm, c.tri}, c.after,
+      pictures->draw(file + ".png", m.name, m.name + ": distance from " + c.with, {c.now_mm, c.tri}, c.after,
                      largest_p95(c.after.signed_mm, c.fragment));
   }
   if (!t.rows.empty()) add_table(r, t);

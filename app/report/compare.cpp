@@ -142,31 +142,48 @@ Markup stitches(const Sides& sides) {
 }
 
 Markup pair_of(const Sides& sides, const std::string& picture_a, const std::string& picture_b,
-               const std::string& name) {
-  const auto half = [&](const ReportSource& s, const std::string& picture, const char* letter) {
+               const std::string& name_a, const std::string& name_b) {
+  const auto half = [&](const ReportSource& s, const std::string& picture, const std::string& name,
+                        const char* letter) {
+    if (name.empty()) return html::figure("", "", html::bold(letter) + " -");
     const std::string url = picture_url(s.dir, picture, 960);
     return html::figure(url, name, html::bold(letter) + " " + (url.empty() ? s.d.w("{}: no picture", name) : name));
   };
-  return half(sides.first, picture_a, "A") + half(sides.second, picture_b, "B");
+  return half(sides.first, picture_a, name_a, "A") + half(sides.second, picture_b, name_b, "B");
 }
 
 Markup pictures(const Sides& sides) {
   const ReportData &a = sides.first.d, &b = sides.second.d;
   const Words& w = a.w;
+  // Stages of one name stand side by side; then those of one side alone, the next of either together: no half of the
+  // page is empty.
   Markup m;
   std::vector<bool> used(b.stages.size(), false);
+  std::vector<const ResultStage*> of_a, of_b;
   for (const ResultStage& x : a.stages) {
-    std::string other;
-    for (size_t i = 0; i < b.stages.size() && other.empty(); ++i)
-      if (!used[i] && b.stages[i].name == x.name) other = b.stages[i].picture, used[i] = true;
-    m += pair_of(sides, x.picture, other, w(x.name));
+    std::optional<size_t> same;
+    for (size_t i = 0; i < b.stages.size() && !same; ++i)
+      if (!used[i] && b.stages[i].name == x.name) same = i;
+    if (!same) {
+      of_a.push_back(&x);
+      continue;
+    }
+    used[*same] = true;
+    m += pair_of(sides, x.picture, b.stages[*same].picture, w(x.name), w(x.name));
   }
   for (size_t i = 0; i < b.stages.size(); ++i)
-    if (!used[i]) m += pair_of(sides, "", b.stages[i].picture, w(b.stages[i].name));
-  if (!a.pictures.tension.empty() || !b.pictures.tension.empty())
-    m += pair_of(sides, a.pictures.tension, b.pictures.tension, w("tension of the skin"));
+    if (!used[i]) of_b.push_back(&b.stages[i]);
+  for (size_t i = 0; i < std::max(of_a.size(), of_b.size()); ++i) {
+    const ResultStage none;
+    const ResultStage &x = i < of_a.size() ? *of_a[i] : none, &y = i < of_b.size() ? *of_b[i] : none;
+    m += pair_of(sides, x.picture, y.picture, w(x.name), w(y.name));
+  }
+  const bool of_skin = !picture_url(sides.first.dir, a.pictures.tension, 960).empty() ||
+                       !picture_url(sides.second.dir, b.pictures.tension, 960).empty();
+  if (of_skin)
+    m += pair_of(sides, a.pictures.tension, b.pictures.tension, w("tension of the skin"), w("tension of the skin"));
   if (m.empty() && (!a.pictures.overview.empty() || !b.pictures.overview.empty()))
-    m = pair_of(sides, a.pictures.overview, b.pictures.overview, w("at the end"));
+    m = pair_of(sides, a.pictures.overview, b.pictures.overview, w("at the end"), w("at the end"));
   return m.empty() ? m : html::section(w("Pictures"), html::pairs(m));
 }
 

@@ -17,6 +17,7 @@ std::string title_of(const ReportData& d) {
   const Words& w = d.w;
   if (d.lesson.all_met.value_or(false) && !said(d.lesson.title).empty()) return capital(w(said(d.lesson.title)));
   if (!d.acts_title.empty()) return d.acts_title;
+  if (d.command == "design") return w("Flaps ranked for a defect");
   return !said(d.scene_title).empty() ? capital(w.said(said(d.scene_title)))
          : !said(d.scene).empty()     ? capital(said(d.scene))
          : d.command == "superpose"   ? w("Superposition")

@@ -72,6 +72,11 @@ std::string title_in(const Words& w, std::string title) {
 void tell_stages(ReportData& d) {
   const std::vector<Command> acts = acts_of(d.script);
   d.acts_title = title_in(d.w, title_of_acts(acts));
+  // Sawn and moved are all bones alike: the last stage says which.
+  const bool of_bones =
+      std::any_of(acts.begin(), acts.end(), [](const Command& c) { return std::holds_alternative<HeadCommand>(c); });
+  if (of_bones && !d.acts_title.empty() && !d.stages.empty() && !d.stages.back().name.empty())
+    d.acts_title += ": " + std::string(d.w(d.stages.back().name));
   const auto words_of = stage_words(acts);
   for (size_t i = 0; i < std::min(d.stages.size(), words_of.size()); ++i)
     if (d.stages[i].caption.empty() && d.stages[i].name == words_of[i].first) d.stages[i].caption = words_of[i].second;

@@ -172,8 +172,9 @@ std::vector<ResultVerdict> fill_session(Result& r, Assembly& a, const SessionFig
     if (a.head) {
       Exercise e = exercise(a.done, {}, std::nullopt);
       e.time_s = f.duration_s, e.hand = a.solver.hand(), e.refused = int(a.solver.refused().size());
-      judged =
-          fill_exercise(r, e, lesson ? bone_values(*lesson->bone, *a.head, look.bone, a.done) : LessonValues{}, lesson);
+      judged = fill_exercise(
+          r, e, lesson ? bone_values(*lesson->bone, *a.head, look.bone, a.done, lesson->words.limits) : LessonValues{},
+          lesson);
       if (printed) print_judgements(judged);
     }
     look.judged = judged;
@@ -194,11 +195,11 @@ std::vector<ResultVerdict> fill_session(Result& r, Assembly& a, const SessionFig
   e.time_s = f.duration_s;
   e.hand = a.solver.hand();
   e.refused = int(a.solver.refused().size());
-  const std::vector<Judgement> judged =
-      fill_exercise(r, e,
-                    lesson && lesson->bone ? bone_values(*lesson->bone, *a.head, look.bone, a.done)
-                                           : lesson_values(metrics, e.design),
-                    lesson);
+  const std::vector<Judgement> judged = fill_exercise(
+      r, e,
+      lesson && lesson->bone ? bone_values(*lesson->bone, *a.head, look.bone, a.done, lesson->words.limits)
+                             : lesson_values(metrics, e.design),
+      lesson);
   if (printed) print_judgements(judged);
   write_fields(r, "", story_of(a));
   look.metrics = &metrics, look.body = a.world->skin()->spec().body.get();

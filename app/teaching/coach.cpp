@@ -112,7 +112,13 @@ void Coach::hear(const Notice& n) {
   if (n.kind == Notice::refused) {
     if (shown_) return say(plan_.w("What was to be shown cannot be done here: {}.", plan_.w.said(n.text.data())));
     ++refused_;
-    return say(plan_.w("Not done: {}.", plan_.w.said(n.text.data())));
+    std::string word = plan_.w("Not done: {}.", plan_.w.said(n.text.data()));
+    const auto* bone = std::get_if<HeadCommand>(n.command.get());
+    const auto* sawn = bone ? std::get_if<CutBone>(bone) : nullptr;
+    if (sawn && !sawn->contour_mm.empty())  // by hand: what the mesh says of it is of little help
+      word += std::string(" ") +
+              plan_.w("Lead the saw once all round the bone, behind as well, and back to where the line began.");
+    return say(word);
   }
   if (const auto* s = std::get_if<Shown>(n.command.get())) shown_ = s->begins;
   script_.push_back(*n.command);
@@ -161,6 +167,8 @@ void Coach::judge_newest() {
   const size_t newest = standing_.size() - 1;
   const Command& c = standing_[newest].command;
   if (const auto* bite = std::get_if<SutureBite>(&c)) return new_bites_.push_back(*bite);
+  if (std::holds_alternative<LetThreadGo>(c))
+    return say(w("The thread is not tied: the edges part again. The next bite draws it tight; Shift+0 ties it."));
   if (const std::string limit = over_limit(c); !limit.empty()) return say(limit + " " + take_back);
   if (const int act = attempt_at(progress_, newest); act >= 0) {
     const std::string order = out_of_order(size_t(act)), off = gentle_word(progress_.act[size_t(act)].offs);

@@ -18,59 +18,7 @@ double degrees_between(const Vec3& a, const Vec3& b) {  // of lines: 0 to 90
   return std::abs(elementary::atan2(a.cross(b).norm(), std::abs(a.dot(b)))) * 180 / std::numbers::pi;
 }
 
-Vec3 foot_on(const std::vector<Vec3>& ring, const Vec3& p) {
-  Vec3 best = ring[0];
-  for (size_t i = 0; i < ring.size(); ++i) {
-    const Vec3 &a = ring[i], e = ring[(i + 1) % ring.size()] - a;
-    const Vec3 q = a + std::clamp((p - a).dot(e) / std::max(1e-12, e.squaredNorm()), 0.0, 1.0) * e;
-    if ((p - q).norm() < (p - best).norm()) best = q;
-  }
-  return best;
-}
-
-/// The planes of a cut: through `at`, between the rays u and v, or all round within `reach` (0: without end).
-struct SawPlane {
-  Vec3 at = Vec3::Zero(), normal = Vec3::UnitZ(), u = Vec3::Zero(), v = Vec3::Zero();
-  double reach = 0;
-  bool reaches(const Vec3& p) const {
-    const Vec3 r = p - at - (p - at).dot(normal) * normal;
-    if (reach > 0 && r.norm() > reach) return false;
-    if (u.isZero(0)) return true;
-    const Vec3 w = u.cross(v);
-    return u.cross(r).dot(w) >= 0 && r.cross(v).dot(w) >= 0;
-  }
-};
-std::vector<SawPlane> planes_of(const HeadCommand& c) {
-  std::vector<SawPlane> all;
-  if (const auto* cut = std::get_if<CutBone>(&c); cut && cut->contour_mm.empty())
-    all.push_back({cut->point_mm, cut->normal.normalized(), Vec3::Zero(), Vec3::Zero(), cut->radius_mm});
-  if (const auto* blade = std::get_if<CutBoneByBlade>(&c))
-    for (size_t i = 0; i + 1 < blade->rays.size(); ++i) {
-      const Vec3 n = blade->rays[i].cross(blade->rays[i + 1]);
-      if (n.norm() > 1e-9)
-        all.push_back({blade->corner_mm, n.normalized(), blade->rays[i], blade->rays[i + 1], blade->reach_mm});
-    }
-  return all;
-}
-
-const SawPlane* nearest_plane(const std::vector<SawPlane>& planes, const Vec3& p) {
-  const SawPlane* best = nullptr;
-  for (const SawPlane& k : planes)
-    if (k.reaches(p) && (!best || std::abs((p - k.at).dot(k.normal)) < std::abs((p - best->at).dot(best->normal))))
-      best = &k;
-  return best;
-}
-
 }  // namespace
-
-std::optional<Vec3> beside_cut(const HeadCommand& planned, const Vec3& p) {
-  if (const auto* cut = std::get_if<CutBone>(&planned); cut && !cut->contour_mm.empty())
-    return p - foot_on(cut->contour_mm, p);
-  const std::vector<SawPlane> planes = planes_of(planned);
-  const SawPlane* k = nearest_plane(planes, p);
-  if (!k) return std::nullopt;
-  return Vec3((p - k->at).dot(k->normal) * k->normal);
-}
 
 std::optional<Vec3> plane_near(const HeadCommand& planned, const Vec3& p) {
   const std::vector<SawPlane> planes = planes_of(planned);
@@ -160,19 +108,6 @@ std::optional<Offs> plane_against(const HeadCommand& want, const HeadCommand& go
   return Offs{
       {Off::line, most_mm, kSawBeside_mm, w("the plane lies {:.1f} mm beside the one that is drawn", most_mm)},
       {Off::angle, most_deg, kSawLeans_deg, w("the plane leans by {:.0f}° from the one that is drawn", most_deg)}};
-}
-
-std::optional<double> nearest_to_limit_mm(const SafeLimit& l, const HeadCommand& cut) {
-  if (l.bone_line.empty()) return std::nullopt;
-  std::optional<double> nearest;
-  for (size_t i = 0; i + 1 < l.bone_line.size(); ++i) {
-    constexpr int kSamples = 20;
-    for (int k = 0; k <= kSamples; ++k) {
-      const Vec3 p = l.bone_line[i] + (l.bone_line[i + 1] - l.bone_line[i]) * (double(k) / kSamples);
-      if (const auto off = beside_cut(cut, p); off && (!nearest || off->norm() < *nearest)) nearest = off->norm();
-    }
-  }
-  return nearest;
 }
 
 }  // namespace limberg

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "app/assembly/cut_distance.h"
 #include "app/teaching/against_plan.h"
 #include "sim/commands/head_command.h"
 
@@ -16,9 +17,6 @@ namespace limberg {
 /// How far off a saw may be while it is led, and a plane that was sawn.
 inline constexpr double kSawBeside_mm = 4, kSawLeans_deg = 10;
 
-/// From the planned cut to a place: the nearest place of the cut is at `place - off`. Nothing: it is no cut, or its
-/// plane does not reach there.
-std::optional<Vec3> beside_cut(const HeadCommand& planned, const Vec3& place_mm);
 /// The plane of the planned cut nearest to a place, as its normal; nothing for a contour.
 std::optional<Vec3> plane_near(const HeadCommand& planned, const Vec3& place_mm);
 
@@ -39,8 +37,5 @@ std::vector<LiveRow> plane_rows(const HeadCommand& planned, const std::array<Vec
 
 /// A cut of bone by a plane or planes against the planned one. Nothing: it is no attempt at it.
 std::optional<Offs> plane_against(const HeadCommand& want, const HeadCommand& got, const Words& words = {});
-
-/// How near a cut comes to a limit on bone; nothing: the limit is not one of bone, or this is no cut.
-std::optional<double> nearest_to_limit_mm(const SafeLimit& limit, const HeadCommand& cut);
 
 }  // namespace limberg

@@ -46,6 +46,8 @@ void Desk::notice(const Notice& n) {
   notices_.push_back({n, text});
   if (notices_.size() > kNotices) notices_.pop_front();
   last_word_ = n.kind == Notice::refused || n.kind == Notice::dropped ? text : "";
+  if (n.kind == Notice::done && n.command && std::holds_alternative<LetThreadGo>(*n.command))
+    last_word_ = w("The thread is not tied: the edges part again.");
 }
 
 void Desk::patient(const DeskReading& r, const FrameRect& at) {

@@ -17,7 +17,7 @@ DeskLayout desk_layout(float w, float h, bool history_open) {
   constexpr float kMenu = 22, kHistory = 128;
   DeskLayout l;
   l.narrow = w < 1000 || h < 640;
-  const float tools = l.narrow ? 160 : 172, patient = w < 1000 ? 214 : 268, lanes = l.narrow ? 34 : 84;
+  const float tools = l.narrow ? 168 : 172, patient = w < 1000 ? 214 : 268, lanes = l.narrow ? 34 : 84;
   l.menu = {0, 0, w, kMenu};
   l.tools = {0, kMenu, tools, h};
   l.patient = {w - patient, kMenu, w, h};

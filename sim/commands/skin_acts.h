@@ -107,6 +107,9 @@ struct SutureBite {
 struct TieSuture {
   double slack_mm = 0;
 };
+/// The hand lets go of the thread that is sewn on, without a knot: it slips through its bites until friction holds it,
+/// and the edges part again (sim/patient/sutures.h). A further bite, or the knot, takes it up and draws it tight.
+struct LetThreadGo {};
 /// A stitch by its number, or (id 0) the one nearest to a place on the skin.
 struct StitchPick {
   int id = 0;

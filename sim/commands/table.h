@@ -398,6 +398,21 @@ struct Act<TieSuture> {
 };
 
 template <>
+struct Act<LetThreadGo> {
+  static constexpr const char* name = "suture_let_go";
+  static constexpr Needs needs = Needs::skin;
+  static constexpr bool looks_back = true;
+  static constexpr const char* help =
+      "The thread that is sewn bite after bite is let go without a knot: it slips until friction holds it, and the "
+      "edges "
+      "part again, most at its end. A further bite or \"suture_tie\" draws it tight.";
+  static constexpr const char* example = R"({"action":"suture_let_go"})";
+  static void fields(auto&, auto&) {}
+  static std::string words(const LetThreadGo&) { return "thread let go"; }
+  static Deed deed(const LetThreadGo&) { return {"", "One thread let go untied", " threads let go untied"}; }
+};
+
+template <>
 struct Act<SutureBetween> {
   static constexpr const char* name = "suture_between";
   static constexpr const char* noun = "sutures";

@@ -45,6 +45,7 @@ struct Stitch {
   Vec3 slack_mm = Vec3::Zero();
   int32_t thread = 0;              // its number; 0: this stitch has a thread of its own
   double tied_N = -1, peak_N = 0;  // of states at rest (snapshot.h)
+  double own_mm = -1;              // of a thread that was let go: so much of it lies in this span; else less than 0
   bool across() const { return id > 0; }
   bool drawn() const { return thread > 0 || slack_mm.isZero(0); }  // as far as it depends on itself
 };
@@ -57,6 +58,8 @@ struct Thread {
   bool corner = false;   // closed when it runs straight; else when the edges meet at every stitch of it
   bool closing = true;
   bool open = false;  // the needle is on it: it is sewn bite after bite, and not tied yet
+  // Open, and nobody holds its end: it slips through its bites (sutures.h). `closing`: it is slipping now.
+  bool let_go = false;
 };
 
 /// A load of the scene on the patch of skin around its anchor.

@@ -73,6 +73,7 @@ struct SutureState {
 struct SewnThread {
   int32_t thread = 0;  // its number; 0: there is none
   int32_t bites = 0;
+  bool let_go = false;           // nobody holds its end
   Vec3f end_mm = Vec3f::Zero();  // where its last bite came out, now
 };
 

@@ -54,7 +54,7 @@ Acted<TissueChange> SoftTissue::carry_out_act(const Command& command) {
     constexpr bool is_suture = std::is_same_v<Act, Suture> || std::is_same_v<Act, SutureRow> ||
                                std::is_same_v<Act, SutureCorner> || std::is_same_v<Act, SutureBetween> ||
                                std::is_same_v<Act, CutSuture> || std::is_same_v<Act, SutureBite> ||
-                               std::is_same_v<Act, TieSuture>;
+                               std::is_same_v<Act, TieSuture> || std::is_same_v<Act, LetThreadGo>;
     constexpr bool is_cut = std::is_same_v<Act, Incise> || std::is_same_v<Act, InciseMore> ||
                             std::is_same_v<Act, Undermine> || std::is_same_v<Act, Excise> ||
                             std::is_same_v<Act, ExcisePiece> || std::is_same_v<Act, CutThrough>;
@@ -184,6 +184,7 @@ uint64_t SoftTissue::state_hash() const {
     h.bytes(s.a.X_mm.data(), 3 * sizeof(double));
     h.bytes(s.b.X_mm.data(), 3 * sizeof(double));
     h.bytes(s.slack_mm.data(), 3 * sizeof(double));
+    if (s.own_mm >= 0) h.add(s.own_mm);
   }
   for (const Thread& t : holding_.threads) h.add(t.id), h.add(t.length_mm);
   for (const PlacedLoad& l : holding_.loads) h.bytes(l.anchor.X_mm.data(), 3 * sizeof(double));

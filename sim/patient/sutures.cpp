@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/base/elementary.h"
 #include "sim/commands/plan_numbers.h"
+#include "sim/fem/forces/spring_forces.h"
 #include "sim/lattice/embedding.h"
+#include "sim/patient/thread_friction.h"
 
 namespace limberg {
 namespace {
@@ -17,8 +20,10 @@ constexpr int kMostStitches = 500;     // of one row
 constexpr double kMet_mm = 0.2;        // edges nearer than this have met
 constexpr double kTear_N = 5.9;        // knot-pull strength of USP 4-0: no thread is drawn harder
 
-constexpr double kLeastBite_mm = 0.5;  // a needle that goes in nearer to the edge than this tears out
-constexpr double kUneven_mm = 1;       // bites of one stitch that differ by more lie unevenly
+constexpr double kLeastBite_mm = 0.5;   // a needle that goes in nearer to the edge than this tears out
+constexpr double kSlips_N = 2e-3;       // a thread slips that is off by more than this, and by a hundredth
+constexpr double kSlip_N_per_mm = 0.5;  // ... so far that tissue of this stiffness follows; skin is softer
+constexpr double kUneven_mm = 1;        // bites of one stitch that differ by more lie unevenly
 
 std::string mm(double v) { return fmt::format("{:.4g} mm", v); }
 
@@ -176,6 +181,11 @@ bool Sutures::draw_tight() {
     drawn = true;
   }
   for (Thread& t : holding_.threads) {
+    if (t.let_go) {
+      slip(t);
+      drawn |= t.closing;
+      continue;
+    }
     if (!t.closing) continue;
     draw(t);
     drawn = true;
@@ -195,7 +205,7 @@ double Sutures::to_draw_mm() const {
     if (s.thread == 0 || !s.across()) continue;
     const auto t = std::find_if(holding_.threads.begin(), holding_.threads.end(),
                                 [&](const Thread& thread) { return thread.id == s.thread; });
-    if (t != holding_.threads.end() && t->closing)
+    if (t != holding_.threads.end() && t->closing && !t->let_go)
       most = std::max(most, (tissue_.held_mm(s.a) - tissue_.held_mm(s.b)).norm());
   }
   return most;
@@ -248,6 +258,49 @@ void Sutures::draw(Thread& t) const {
   // As much for each stitch of it as a single one is drawn; less where little is left.
   t.length_mm = std::max(
       kept, t.length_mm - std::clamp(0.5 * open, kMet_mm / 4, tissue_.spec().suture_pull_mm_per_step * stitches));
+}
+
+double Sutures::held_by_friction_N(int between) {
+  return kFreeEnd_N * elementary::exp(kThreadFriction * elementary::pi * (1 + 2 * between));
+}
+
+// From the free end inwards. What a used-up span could hold is what goes through it.
+void Sutures::slip(Thread& t) {
+  const double k = tissue_.spec().suture_k_N_per_mm, pull_mm = tissue_.spec().suture_pull_mm_per_step;
+  std::vector<Stitch*> spans;  // the last first
+  for (Stitch& s : holding_.stitches)
+    if (s.thread == t.id && s.across()) spans.push_back(&s);
+  std::reverse(spans.begin(), spans.end());
+  const auto take = [&](size_t inner, double mm) {  // out of the spans between it and the end, and out of the end
+    for (size_t i = inner; i-- > 0 && mm > 0;) {
+      const double some = std::min(mm, spans[i]->own_mm);
+      spans[i]->own_mm -= some, mm -= some;
+    }
+  };
+  t.closing = false;
+  double outer_N = kFreeEnd_N;
+  for (size_t i = 0; i < spans.size(); ++i) {
+    Stitch& s = *spans[i];
+    const double ratio = elementary::exp(kThreadFriction * elementary::pi * (i == 0 ? 1 : 2));
+    const double tension_N = k * std::max(0.0, (tissue_.held_mm(s.a) - tissue_.held_mm(s.b)).norm() - s.own_mm);
+    const double most_N = outer_N * ratio, least_N = outer_N / ratio;
+    if (const double off_N = tension_N - most_N; off_N > kSlips_N + 0.01 * most_N) {
+      const double mm = std::min(pull_mm, off_N / kSlip_N_per_mm);
+      take(i, mm);
+      s.own_mm += mm, t.closing = true;
+    } else if (i > 0 && least_N - tension_N > kSlips_N + 0.01 * least_N && s.own_mm > 0) {
+      const double mm = std::min({pull_mm, (least_N - tension_N) / k, s.own_mm});
+      s.own_mm -= mm, spans[i - 1]->own_mm += mm, t.closing = true;
+    }
+    outer_N = s.own_mm > 0 ? std::min(tension_N, most_N) : most_N;
+  }
+}
+
+void Sutures::take_up(Thread& t) {
+  if (!t.let_go) return;
+  t.let_go = false, t.closing = true, t.length_mm = 0;
+  for (Stitch& s : holding_.stitches)
+    if (s.thread == t.id) t.length_mm += std::exchange(s.own_mm, -1);
 }
 
 void Sutures::thread_through(std::vector<Stitch> spans, bool corner, double slack_mm) {
@@ -431,7 +484,7 @@ std::optional<SewnThread> Sutures::sewn() const {
   for (const Thread& t : holding_.threads) {
     if (!t.open) continue;
     SewnThread sewn;
-    sewn.thread = t.id;
+    sewn.thread = t.id, sewn.let_go = t.let_go;
     for (const Stitch& s : holding_.stitches)
       if (s.thread == t.id && s.across()) ++sewn.bites, sewn.end_mm = tissue_.position_mm(s.b.embedded).cast<float>();
     return sewn;
@@ -455,6 +508,7 @@ Outcome Sutures::act(const SutureBite& c) {
   widen(across.a), widen(across.b);
   across.id = holding_.next_stitch++;
   if (Thread* t = sewn_thread()) {
+    take_up(*t);
     const auto last = std::find_if(holding_.stitches.rbegin(), holding_.stitches.rend(),
                                    [&](const Stitch& s) { return s.thread == t->id; });
     Stitch along = between(last->b, across.a, 0);
@@ -475,12 +529,34 @@ Outcome Sutures::act(const SutureBite& c) {
 Outcome Sutures::act(const TieSuture& c) {
   Thread* t = sewn_thread();
   if (!t) return {false, "no thread is being sewn; a bite of a running suture was expected before its knot"};
+  take_up(*t);
   t->open = false;
   if (t->closing)
     t->slack_mm = c.slack_mm;
   else
     t->length_mm += c.slack_mm;
   return {true, {}};
+}
+
+Outcome Sutures::act(const LetThreadGo&) {
+  Thread* t = sewn_thread();
+  if (!t) return {false, "no thread is being sewn; a bite of a running suture was expected before its end is let go"};
+  if (t->let_go) return {false, "the thread has been let go already; a bite or its knot was expected"};
+  std::vector<Stitch*> spans;
+  std::vector<double> length_mm;  // that the thread can take from (spring_forces.h)
+  double kept_mm = 0;
+  for (Stitch& s : holding_.stitches) {
+    if (s.thread != t->id) continue;
+    spans.push_back(&s);
+    kept_mm += s.slack_mm.norm();
+    length_mm.push_back(std::max(0.0, (tissue_.held_mm(s.a) - tissue_.held_mm(s.b)).norm() - s.slack_mm.norm()));
+  }
+  std::vector<double> sorted = length_mm;
+  const double stretch_mm = fem::SpringForces::thread_stretch_mm(sorted, std::max(0.0, t->length_mm - kept_mm));
+  for (size_t i = 0; i < spans.size(); ++i)
+    spans[i]->own_mm = spans[i]->slack_mm.norm() + std::max(0.0, length_mm[i] - stretch_mm);
+  t->let_go = t->closing = true;
+  return {true, "it is not tied, and the edges part again"};
 }
 
 Outcome Sutures::act(const SutureBetween& c) {
@@ -540,6 +616,12 @@ Outcome Sutures::act(const CutSuture& c) {
   return {true, {}};
 }
 
+namespace {
+
+constexpr int32_t kOfOneSpan = 1 << 30;  // above the numbers of all threads
+
+}  // namespace
+
 std::vector<Spring> springs(const Holding& holding, const WorldSpec& spec) {
   std::vector<Spring> springs;
   for (const Hook& h : holding.hooks) {
@@ -555,6 +637,7 @@ std::vector<Spring> springs(const Holding& holding, const WorldSpec& spec) {
     if (t.thread > 0)
       for (const Thread& thread : holding.threads)
         if (thread.id == t.thread) s.thread = t.thread, s.thread_mm = thread.length_mm;
+    if (t.own_mm >= 0) s.thread = kOfOneSpan + t.spring, s.thread_mm = t.own_mm;
     springs.push_back(s);
   }
   return springs;

@@ -4,6 +4,17 @@
 // A stitch is a spring between two bites. It is drawn tight over some steps (its slack shrinks), as a hand does it. A
 // running suture, drawn at once or sewn bite after bite, is one thread through many bites, which slides until its
 // tension is the same everywhere (fem/forces/spring_forces.h).
+//
+// Whoever sews bite after bite holds the thread's end. Once it is let go untied, only friction holds the thread. It
+// winds about the edges like a helix, once a stitch, so that its tangent turns by 2 pi from one stitch to the next, and
+// by pi from the last stitch to the free end. Over a turn of theta a thread slips unless (Euler and Eytelwein)
+//
+//   T_towards_the_first_knot <= T_towards_the_free_end * exp(mu theta)      and the other way round,
+//
+// and the end itself holds kFreeEnd_N (thread_friction.h). A stitch pulls with at most 0.05, 0.34, 2.2 N, counted from
+// the end: those near it part, and those some turns behind it stay. What lies in each is its own (Stitch::own_mm); what
+// slips into one comes out of the next, into the last out of the free end. What lies along the wound stays where it
+// is, as before.
 #include <optional>
 #include <string>
 #include <utility>
@@ -25,6 +36,10 @@ class Sutures {
   Outcome act(const CutSuture& c);
   Outcome act(const SutureBite& c);
   Outcome act(const TieSuture& c);
+  Outcome act(const LetThreadGo& c);
+
+  /// What the stitch that has `between` others between itself and the free end can pull with, at most, in N.
+  static double held_by_friction_N(int between);
 
   /// The thread that is sewn bite after bite, and where its last bite came out; nothing: none is.
   std::optional<SewnThread> sewn() const;
@@ -62,6 +77,10 @@ class Sutures {
   /// The way of a thread from one stitch to the next, which it keeps.
   Vec3 along_the_wound(const Stitch& before, const Stitch& next) const;
   void draw(Thread& thread) const;
+  /// One step of a thread that was let go; `closing` afterwards: it has slipped.
+  void slip(Thread& thread);
+  /// A hand takes it up again: it slides as one, from where friction had held it.
+  void take_up(Thread& thread);
   void drop_thread(int32_t thread);  // and its spans
   bool same_place(const Anchor& a, const Anchor& b) const;
   bool joins(const Stitch& stitch, const Anchor& a, const Anchor& b) const;  // the same two places, either way round

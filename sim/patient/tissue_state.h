@@ -87,14 +87,16 @@ void fields(const Hook& k, V&& v) {
 }
 template <class V>
 void fields(const Stitch& s, V&& v) {
-  const auto& [id, spring, a, b, slack_mm, thread, tied_N, peak_N] = s;
+  const auto& [id, spring, a, b, slack_mm, thread, tied_N, peak_N, own_mm] = s;
   v(id, spring, a, b, slack_mm, thread, tied_N, peak_N);
+  if (own_mm >= 0) v(own_mm);
 }
 template <class V>
 void fields(const Thread& t, V&& v) {
-  const auto& [id, length_mm, slack_mm, corner, closing, open] = t;
+  const auto& [id, length_mm, slack_mm, corner, closing, open, let_go] = t;
   v(id, length_mm, slack_mm, corner, closing);
   if (open) v(open);  // hashes of what was recorded before there were such threads stay
+  if (let_go) v(let_go);
 }
 template <class V>
 void fields(const PlacedLoad& l, V&& v) {

@@ -37,7 +37,7 @@ std::map<std::string, Judgement> judged(const Lesson& l, const std::vector<Comma
       const Outcome o = head->act(*h);
       EXPECT_TRUE(o.done) << o.reason << " " << to_json_line(c);
     }
-  LessonValues v = bone_values(*l.bone, *head, BoneOutside{}, acts);
+  LessonValues v = bone_values(*l.bone, *head, BoneOutside{}, acts, l.words.limits);
   v.value["undos"] = 0, v.value["time_s"] = 60;
   std::map<std::string, Judgement> out;
   for (Judgement& j : judge(l, v)) out.emplace(j.name, j);

@@ -44,7 +44,7 @@ struct Hand {
   bool before = false;
   size_t built = 0;
 
-  explicit Hand(Snapshot patient) : s(std::move(patient)) {}
+  explicit Hand(Snapshot patient, const GestureSettings& set = {}) : s(std::move(patient)), g(set) {}
   void choose(Tool tool, double depth_mm = 0, double spacing_mm = 0) {
     ControlSample c;
     c.tool = tool, c.value[kDepth] = depth_mm, c.value[kSpacing] = spacing_mm;
@@ -149,6 +149,39 @@ TEST(HandTools, BiteAfterBiteIsOneThreadAndAKnotEndsIt) {
   EXPECT_EQ(h.out.all.size(), 2u) << "a knot far from the last bite";
   h.at(5, 5, false), h.at(5, 5, true), h.at(5, 5, false);
   EXPECT_NE(h.last<TieSuture>(), nullptr);
+}
+
+TEST(HandTools, AHandThatTakesAnotherToolLetsGoOfAnUntiedThread) {
+  for (const bool slips : {true, false}) {  // false: a recording from before
+    GestureSettings set;
+    set.threads_slip = slips;
+    Hand h(slit(), set);
+    const auto let_go = [&] {
+      return std::count_if(h.done.begin(), h.done.end(),
+                           [](const Command& c) { return std::holds_alternative<LetThreadGo>(c); });
+    };
+    h.choose(Tool::suture_bites);
+    h.at(-3, 0, false), h.at(-3, 0, true), h.at(4, 0, true), h.at(4, 0, false);
+    h.s.sewn.thread = 1, h.s.sewn.bites = 1, h.s.sewn.end_mm = Vec3f(4, 0, 0);
+    for (const Tool tool : {Tool::suture_knot, Tool::suture_bites, Tool::swab}) {
+      h.choose(tool), h.at(4, 0, false);
+      EXPECT_EQ(let_go(), 0) << int(tool);  // the swab is in the other hand
+    }
+    h.choose(Tool::hook), h.at(4, 0, false);  // also from the swab
+    EXPECT_EQ(let_go(), slips ? 1 : 0);
+    h.choose(Tool::scalpel), h.at(4, 0, false);
+    EXPECT_EQ(let_go(), slips ? 1 : 0) << "once";
+    // Knotted, and laid down before the patient shows it.
+    h.choose(Tool::suture_knot);
+    h.at(4, 0, false), h.at(4, 0, true), h.at(4, 0, false);
+    h.choose(Tool::hook), h.at(4, 0, false);
+    EXPECT_EQ(let_go(), slips ? 1 : 0);
+    // Tied: nothing is let go.
+    h.choose(Tool::suture_knot);
+    h.s.sewn = {};
+    h.choose(Tool::none), h.at(4, 0, false);
+    EXPECT_EQ(let_go(), slips ? 1 : 0);
+  }
 }
 
 TEST(HandTools, ABuriedRowHasItsDepthAndARowNone) {

@@ -37,6 +37,7 @@ const std::vector<Command>& script() {
                                         Undo{},
                                         SutureBite{{-19, 2}, {-19, -2}},
                                         SutureBite{{-16, 2}, {-16, -2}},
+                                        LetThreadGo{},
                                         TieSuture{},
                                         SutureRow{{{18, 1.2}, {23, 1.2}}, {{18, -1.2}, {23, -1.2}}, 2.5, 1},
                                         CutSuture{{1, {}}},

@@ -63,7 +63,7 @@ class Maker {
       case 15:
         return SutureBite{point(), point(), pick(2) == 0 ? 0 : real(0.6, 9)};
       case 16:
-        return TieSuture{pick(2) == 0 ? 0 : real(0, 9)};
+        return pick(3) == 0 ? Command(LetThreadGo{}) : TieSuture{pick(2) == 0 ? 0 : real(0, 9)};
       case 11:
         return Stage{pick(2) == 0 ? "flap \"cut\" \\ \n\t" : "lambeau incis\xc3\xa9"};
       default:

@@ -254,7 +254,7 @@ TEST(Table, ActsHaveKinds) {
   });
   EXPECT_EQ(cutting, "incise incise undermine excise redo excise cut_through ");
   EXPECT_EQ(sewing, "suture suture_row suture_corner suture_between suture_bite ");
-  EXPECT_EQ(looking_back, "undo redo suture_between cut_suture suture_bite suture_tie ");
+  EXPECT_EQ(looking_back, "undo redo suture_between cut_suture suture_bite suture_tie suture_let_go ");
   EXPECT_EQ(leaving, "stage wait shown mark ");
 }
 

@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "sim/patient/soft_tissue.h"
+#include "sim/patient/sutures.h"
+#include "sim/patient/thread_friction.h"
 #include "sim/patient/world.h"
 #include "tests/sim/patient/small_block.h"
 
@@ -14,7 +16,8 @@ namespace test_sewn_thread {
 struct Wound {
   InlineWorkers workers;
   World world{test::small_block({.skin_cell_mm = 1.5, .cell_mm = 3.5, .along = 1.2, .across = 1.2}), workers};
-  Wound() {
+  explicit Wound(bool incised = true) {
+    if (!incised) return;
     must(Incise{{{-14, 0.3}, {-5, 1.3}, {5, 1.3}, {14, 0.3}}, 4, 90, true});
     settle();
   }
@@ -167,6 +170,114 @@ TEST(SewnThread, ABiteIsWhereAScriptPutsIt) {
   }
   EXPECT_EQ(hash[0], hash[1]);
   EXPECT_NE(hash[0], hash[2]);
+}
+
+// ---- a thread that is let go untied ----
+
+/// Pulls of the stitches in N, from the first to the last.
+std::vector<double> pulls(const Snapshot& s) {
+  std::vector<double> N;
+  for (const SutureState& k : s.sutures) N.push_back(double(k.force_N));
+  return N;
+}
+
+/// A spindle of skin is gone, and what is left is sewn bite after bite: its edges pull.
+struct Sewn : Wound {
+  static constexpr double kHalf_mm = 4, kLong_mm = 15;
+  static double edge(double x) { return kHalf_mm * (1 - x * x / (kLong_mm * kLong_mm)); }
+  static SutureBite across(double x) { return {{x, -edge(x) - 2}, {x, edge(x) + 2}}; }
+  explicit Sewn(int bites = 6) : Wound(false) {
+    Excise spindle;
+    spindle.depth_mm = 4;
+    for (int i = 0; i < 24; ++i) {
+      const double x = kLong_mm * std::cos(i * M_PI / 12);
+      spindle.outline.emplace_back(x, (i < 12 ? 1 : -1) * edge(x));
+    }
+    must(spindle);
+    settle();
+    for (int i = 0; i < bites; ++i) must(across(-10 + 4 * i)), settle(120);
+    settle();
+  }
+};
+
+TEST(LetGo, TensionFallsTowardsTheFreeEndAsOnACapstan) {
+  Sewn w;
+  const std::vector<double> before = pulls(w.shown());
+  w.must(LetThreadGo{});
+  EXPECT_FALSE(w.world.settled()) << "it slips now";
+  w.settle(600);
+  ASSERT_TRUE(w.world.settled());
+  const Snapshot s = w.shown();
+  EXPECT_TRUE(s.sewn.let_go);
+  const std::vector<double> after = pulls(s);
+  const double turn = std::exp(kThreadFriction * 2 * M_PI);
+  for (size_t i = 0; i < 6; ++i) {
+    const double most = kFreeEnd_N * std::exp(kThreadFriction * M_PI * double(2 * (6 - i) - 1));
+    EXPECT_NEAR(most, Sutures::held_by_friction_N(int(5 - i)), 1e-9 * most);
+    EXPECT_LE(after[i], 1.02 * most + 3e-3) << i;
+  }
+  // Where thread is left in two neighbours their tensions are within the bounds of friction, both ways.
+  for (size_t i = 0; i + 1 < 6; ++i) {
+    if (s.sutures[i].gap_mm < after[i] / 20 + 0.01 || s.sutures[i + 1].gap_mm < after[i + 1] / 20 + 0.01) continue;
+    EXPECT_LE(after[i], 1.03 * turn * after[i + 1] + 6e-3) << i;
+    EXPECT_GE(after[i], after[i + 1] / turn / 1.03 - 6e-3) << i;
+  }
+  // The last stitch pulled with more than the end can hold, and parts; the first is held by all the turns after it.
+  ASSERT_GT(before[5], 2 * Sutures::held_by_friction_N(0));
+  EXPECT_GT(s.sutures[5].gap_mm, 0.5f);
+  EXPECT_LT(s.sutures[0].gap_mm, 0.35f);
+}
+
+TEST(LetGo, AKnotHoldsWhatAnOpenEndLetsGo) {
+  Sewn tied;
+  tied.must(TieSuture{});
+  tied.settle();
+  const Snapshot held = tied.shown();
+  EXPECT_NE(tied.refused(LetThreadGo{}).find("no thread is being sewn"), std::string::npos);
+  for (const SutureState& k : held.sutures) EXPECT_LT(k.gap_mm, 0.35f) << k.id;
+
+  Sewn open;
+  EXPECT_EQ(open.shown().sutures.size(), held.sutures.size());
+  open.must(LetThreadGo{});
+  open.settle(600);
+  EXPECT_NE(open.refused(LetThreadGo{}).find("already"), std::string::npos);
+  EXPECT_GT(open.shown().sutures.back().gap_mm, held.sutures.back().gap_mm + 0.3f);
+  // Taken up again it is drawn until the edges meet.
+  open.must(TieSuture{});
+  open.settle(600);
+  ASSERT_TRUE(open.world.settled());
+  EXPECT_EQ(open.shown().sewn.thread, 0);
+  for (const SutureState& k : open.shown().sutures) EXPECT_LT(k.gap_mm, 0.35f) << k.id;
+}
+
+TEST(LetGo, TheNextBiteTakesItUpAndUndoGivesItBack) {
+  Sewn w(4);
+  const uint64_t held = w.world.full_hash();
+  w.must(LetThreadGo{});
+  EXPECT_NE(w.world.full_hash(), held);
+  w.must(Undo{});
+  EXPECT_EQ(w.world.full_hash(), held);
+  w.must(LetThreadGo{});
+  w.settle(600);
+  const float parted = w.shown().sutures.back().gap_mm;
+  w.must(Sewn::across(6));
+  EXPECT_FALSE(w.shown().sewn.let_go);
+  w.settle(600);
+  ASSERT_TRUE(w.world.settled());
+  ASSERT_EQ(w.shown().sutures.size(), 5u);
+  EXPECT_LT(w.shown().sutures[3].gap_mm, 0.35f);
+  EXPECT_GT(parted, 0.45f);
+}
+
+TEST(LetGo, ComesToTheSameStateEveryTime) {
+  std::vector<uint64_t> hash;
+  for (int k = 0; k < 2; ++k) {
+    Sewn w(3);
+    w.must(LetThreadGo{});
+    w.settle(200);
+    hash.push_back(w.world.full_hash());
+  }
+  EXPECT_EQ(hash[0], hash[1]);
 }
 
 }  // namespace test_sewn_thread

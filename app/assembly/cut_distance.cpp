@@ -1,0 +1,64 @@
+#include "app/assembly/cut_distance.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace limberg {
+namespace {
+
+Vec3 foot_on(const std::vector<Vec3>& ring, const Vec3& p) {
+  Vec3 best = ring[0];
+  for (size_t i = 0; i < ring.size(); ++i) {
+    const Vec3 &a = ring[i], e = ring[(i + 1) % ring.size()] - a;
+    const Vec3 q = a + std::clamp((p - a).dot(e) / std::max(1e-12, e.squaredNorm()), 0.0, 1.0) * e;
+    if ((p - q).norm() < (p - best).norm()) best = q;
+  }
+  return best;
+}
+
+}  // namespace
+
+std::vector<SawPlane> planes_of(const HeadCommand& c) {
+  std::vector<SawPlane> all;
+  if (const auto* cut = std::get_if<CutBone>(&c); cut && cut->contour_mm.empty())
+    all.push_back({cut->point_mm, cut->normal.normalized(), Vec3::Zero(), Vec3::Zero(), cut->radius_mm});
+  if (const auto* blade = std::get_if<CutBoneByBlade>(&c))
+    for (size_t i = 0; i + 1 < blade->rays.size(); ++i) {
+      const Vec3 n = blade->rays[i].cross(blade->rays[i + 1]);
+      if (n.norm() > 1e-9)
+        all.push_back({blade->corner_mm, n.normalized(), blade->rays[i], blade->rays[i + 1], blade->reach_mm});
+    }
+  return all;
+}
+
+const SawPlane* nearest_plane(const std::vector<SawPlane>& planes, const Vec3& p) {
+  const SawPlane* best = nullptr;
+  for (const SawPlane& k : planes)
+    if (k.reaches(p) && (!best || std::abs((p - k.at).dot(k.normal)) < std::abs((p - best->at).dot(best->normal))))
+      best = &k;
+  return best;
+}
+
+std::optional<Vec3> beside_cut(const HeadCommand& planned, const Vec3& p) {
+  if (const auto* cut = std::get_if<CutBone>(&planned); cut && !cut->contour_mm.empty())
+    return p - foot_on(cut->contour_mm, p);
+  const std::vector<SawPlane> planes = planes_of(planned);
+  const SawPlane* k = nearest_plane(planes, p);
+  if (!k) return std::nullopt;
+  return Vec3((p - k->at).dot(k->normal) * k->normal);
+}
+
+std::optional<double> nearest_to_limit_mm(const SafeLimit& l, const HeadCommand& cut) {
+  if (l.bone_line.empty()) return std::nullopt;
+  std::optional<double> nearest;
+  for (size_t i = 0; i + 1 < l.bone_line.size(); ++i) {
+    constexpr int kSamples = 20;
+    for (int k = 0; k <= kSamples; ++k) {
+      const Vec3 p = l.bone_line[i] + (l.bone_line[i + 1] - l.bone_line[i]) * (double(k) / kSamples);
+      if (const auto off = beside_cut(cut, p); off && (!nearest || off->norm() < *nearest)) nearest = off->norm();
+    }
+  }
+  return nearest;
+}
+
+}  // namespace limberg
