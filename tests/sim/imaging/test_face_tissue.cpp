@@ -16,9 +16,9 @@
 namespace limberg {
 namespace test_face_tissue {
 
-FaceTissue made(Lips lips) {
+FaceTissue made(const FaceOpenings& open) {
   WorkersPool workers(2);
-  return make_face_tissue(workers, lips);
+  return make_face_tissue(workers, open);
 }
 
 template <class Surface>
@@ -90,7 +90,7 @@ void lips_are_apart(const FaceTissue& face) {
 
 // One test each: they are made in some ten seconds.
 TEST(FaceTissue, IsClosedAsThickAsItSaysAndTheShippedOne) {
-  const FaceTissue face = made(Lips::one_surface);
+  const FaceTissue face = made({});
   is_the_shipped(face, "face", 0.01);
   EXPECT_EQ(euler_of_closed(face), 2);
   is_as_thick_as_it_says(face);
@@ -98,7 +98,7 @@ TEST(FaceTissue, IsClosedAsThickAsItSaysAndTheShippedOne) {
 }
 
 TEST(FaceTissue, PartedLipsHaveMarginsAndLieBeforeTeeth) {
-  const FaceTissue face = made(Lips::parted);
+  const FaceTissue face = made({.lips = Lips::parted});
   is_the_shipped(face, "lips", 0.01);
   EXPECT_EQ(euler_of_closed(face), 0) << "the mouth is the one hole";
   is_as_thick_as_it_says(face);
