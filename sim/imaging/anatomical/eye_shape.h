@@ -27,8 +27,8 @@ class Eye {
     return near_.holds(q) ? carve(smin(face, lids_(q), 5), crease_, q, 2.2) : face;
   }
 
-  /// How far within the fissure between parted lids a place lies, below 0 outside. It is cut towards the globe's middle,
-  /// so that margins stand upright on their lids.
+  /// How far within the fissure between parted lids a place lies, below 0 outside. It is cut towards the globe's
+  /// middle, so that margins stand upright on their lids.
   static double fissure(const Vec3& q) {
     const Vec3 d = q - parted_centre();
     const double r = d.norm();
@@ -43,8 +43,8 @@ class Eye {
     return kSteepest * std::min(high - z, z - low) / out;
   }
 
-  /// The bare globe that parted lids lie against: the schematic eye, 24.0 mm long, with a cornea of 7.8 mm radius and
-  /// 11.5 mm width (Gullstrand's 24.0 and 7.7 mm; of adults 24.2 mm across in CT, Bekerman 2014; cited from memory).
+  /// The bare globe that parted lids lie against: two spheres, as El Hage and Le Grand 1980 describe an adult eye (of
+  /// 12 and 8 mm, their middles 5 mm apart), so much smaller that it is 24.0 mm long and its cornea 11.5 mm wide.
   static double globe_mm(const Vec3& q) {
     const Vec3 d = q - parted_centre();
     return std::min(d.norm() - kBare_mm, (d - Vec3(0, kCornea_y_mm, 0)).norm() - kCornea_mm);
