@@ -54,7 +54,9 @@ const Vec3 kSideOfRim(50, 68, 14), kBelowRim(34, 80, -4);
 constexpr double kThinAtSide_mm = 6, kThinBelow_mm = 4, kRimWide_mm = 9;
 // The grid there: about the lids, along the globe, and at the margins.
 const SmallCells kLidCells{{33, 78, 13}, 17, 1.1};
-constexpr double kGlobeCell_mm = 1.2, kMarginCell_mm = 0.5, kPictureBelow_mm = 0.8, kPictureAbove_mm = 1.2;
+constexpr double kGlobeCell_mm = 1.2, kMarginCell_mm = 0.5;
+// The picture has the globe between the margins: so far beside them it has lids.
+constexpr double kPictureBelow_mm = 0.8, kPictureAbove_mm = 1.2;
 constexpr double kLidsReach_mm = 21;     // from the globe's middle
 const Vec3 kPinkOfPicture(6, 104, -60);  // red lip, which mucosa has the colour of
 
