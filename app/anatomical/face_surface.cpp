@@ -1,7 +1,9 @@
 // Writes the surfaces of the face that shipped scenes operate on, their materials and their picture:
 //
 //   limberg_face_surface app/scenes        -> anatomical_face.obj, .mtl and .png; anatomical_lips.obj, its lips parted;
-//                                             anatomical_teeth.obj and anatomical_gums.obj, which these lie against
+//                                             anatomical_teeth.obj and anatomical_gums.obj, which these lie against;
+//                                             anatomical_lids.obj, lids of the right eye parted; anatomical_eye.obj,
+//                                             _iris.obj and _pupil.obj, which these lie against
 #include <fmt/format.h>
 #include <fmt/os.h>
 
@@ -14,6 +16,7 @@
 #include "app/session/workers_pool.h"
 #include "render/image.h"
 #include "sim/imaging/anatomical/face_tissue.h"
+#include "sim/imaging/anatomical/lid_bed.h"
 #include "sim/imaging/anatomical/mouth_bed.h"
 #include "sim/imaging/anatomical/skin_colour.h"
 
@@ -29,12 +32,17 @@ void write_surface(const FaceTissue& f, const std::string& file) {
   out.print("mtllib anatomical_face.mtl\n");
   for (const Vec3& X : f.X_mm) out.print("v {:.2f} {:.2f} {:.2f}\n", X.x(), X.y(), X.z());
   for (const Vec2& q : f.uv) out.print("vt {:.4f} {:.4f}\n", q.x(), q.y());
+  if (f.uv_of_mucosa) out.print("vt {:.4f} {:.4f}\n", f.uv_of_mucosa->x(), f.uv_of_mucosa->y());
   for (size_t part = 0; part < std::size(kFaceParts); ++part) {
     if (std::find(f.part.begin(), f.part.end(), FacePart(part)) == f.part.end()) continue;
     out.print("usemtl {}\n", kFaceParts[part]);
-    for (size_t t = 0; t < f.tri.size(); ++t)
-      if (size_t(f.part[t]) == part)
-        out.print("f {0}/{0} {1}/{1} {2}/{2}\n", f.tri[t][0] + 1, f.tri[t][1] + 1, f.tri[t][2] + 1);
+    const bool one_colour = f.uv_of_mucosa && FacePart(part) == FacePart::mucosa;
+    for (size_t t = 0; t < f.tri.size(); ++t) {
+      if (size_t(f.part[t]) != part) continue;
+      out.print("f");
+      for (const int32_t v : f.tri[t]) out.print(" {}/{}", v + 1, one_colour ? f.uv.size() + 1 : size_t(v) + 1);
+      out.print("\n");
+    }
   }
 }
 
@@ -74,8 +82,10 @@ int main(int argc, char** argv) try {
   }
   const std::filesystem::path folder = argv[1];
   WorkersPool workers(2);
-  for (const auto& [name, lips] : {std::pair("face", Lips::one_surface), std::pair("lips", Lips::parted)}) {
-    const FaceTissue face = make_face_tissue(workers, lips);
+  const std::pair<const char*, FaceOpenings> faces[] = {
+      {"face", {}}, {"lips", {.lips = Lips::parted}}, {"lids", {.lids = Lids::parted}}};
+  for (const auto& [name, open] : faces) {
+    const FaceTissue face = make_face_tissue(workers, open);
     write_surface(face, (folder / fmt::format("anatomical_{}.obj", name)).string());
     std::printf("%s: %zu corners, %zu triangles\n", name, face.X_mm.size(), face.tri.size());
   }
@@ -83,6 +93,10 @@ int main(int argc, char** argv) try {
   const MouthBedMeshes bed = make_mouth_bed(MouthBed(skin), workers);
   write_mesh(bed.teeth, (folder / "anatomical_teeth.obj").string());
   write_mesh(bed.gums, (folder / "anatomical_gums.obj").string());
+  const LidBedMeshes eye = make_lid_bed();
+  write_mesh(eye.globe, (folder / "anatomical_eye.obj").string());
+  write_mesh(eye.iris, (folder / "anatomical_iris.obj").string());
+  write_mesh(eye.pupil, (folder / "anatomical_pupil.obj").string());
   write_materials((folder / "anatomical_face.mtl").string());
   write_png((folder / "anatomical_face.png").string(), picture(workers));
   return 0;

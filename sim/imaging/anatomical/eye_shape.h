@@ -22,10 +22,42 @@ class Eye {
     high = line + 6.0 * up * (0.8 + 0.2 * up), low = line - 4.4 * down * (0.8 + 0.2 * down);
   }
 
+  /// Closed lids, in which fissure() and globe_mm() are cut.
+  double lids_upon(double face, const Vec3& q) const {
+    return near_.holds(q) ? carve(smin(face, lids_(q), 5), crease_, q, 2.2) : face;
+  }
+
+  /// How far within the fissure between parted lids a place lies, below 0 outside. It is cut towards the globe's
+  /// middle, so that margins stand upright on their lids.
+  static double fissure(const Vec3& q) {
+    const Vec3 d = q - parted_centre();
+    const double r = d.norm();
+    if (r < kLeastFissure_mm || d.y() < 0) return -kLeastFissure_mm;
+    // Margins are told where skin lies, which is farther from the globe at the corners.
+    const double skin_mm = kSkin_mm + kSkinAtSide_mm * ramp(0.35, 0.85, d.x() / r) +
+                           kSkinAtNose_mm * ramp(-0.35, -0.8, d.x() / r),
+                 out = std::max(1., skin_mm / r);
+    double low, high;
+    margins(parted_centre().x() + out * d.x(), low, high);
+    const double z = parted_centre().z() + out * d.z();
+    return kSteepest * std::min(high - z, z - low) / out;
+  }
+
+  /// The bare globe that parted lids lie against: two spheres, as El Hage and Le Grand 1980 describe an adult eye (of
+  /// 12 and 8 mm, their middles 5 mm apart), so much smaller that it is 24.0 mm long and its cornea 11.5 mm wide.
+  static double globe_mm(const Vec3& q) {
+    const Vec3 d = q - parted_centre();
+    return std::min(d.norm() - kBare_mm, (d - Vec3(0, kCornea_y_mm, 0)).norm() - kCornea_mm);
+  }
+  static Vec3 parted_centre() { return centre() - Vec3(0, 0.4, 0); }
+  static constexpr double kBare_mm = 11.5, kCornea_mm = 7.8, kCornea_y_mm = 4.7, kLimbus_mm = 5.75, kPupil_mm = 2;
+
+  /// What fills the fissure's inner corner: caruncle and the fold beside it.
+  double caruncle(const Vec3& q) const { return smin(caruncle_(q), smax(bed_(q), q.x() - 20.5, 1), 1.2); }
+
   double upon(double face, const Vec3& q) const {
     if (!near_.holds(q)) return face;
-    double d = smin(face, lids_(q), 5);
-    d = carve(d, crease_, q, 2.2);
+    double d = lids_upon(face, q);
     double low, high;
     margins(q.x(), low, high);
     const double fissure = 0.75 * std::max(q.z() - high, low - q.z());
@@ -39,6 +71,8 @@ class Eye {
   }
 
  private:
+  static constexpr double kSkin_mm = 14.4, kSkinAtSide_mm = 1.8, kSkinAtNose_mm = 4.5, kLeastFissure_mm = 5,
+                          kSteepest = 0.75;
   Ball near_{{31.5, 78, 15}, 34};
   Ellipsoid lids_{{31.0, 70.9, 15.2}, {17.6, 13.5, 15.2}};
   Ellipsoid bed_{{30.6, 70.5, 14.6}, {17.0, 12.4, 12}};

@@ -2,8 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <optional>
+#include <functional>
 
 #include "sim/geometry/bvh.h"
 #include "sim/imaging/anatomical/eye_shape.h"
@@ -45,6 +44,22 @@ constexpr double kThinner_mm = 6, kBeforeBed_mm = 0.4;
 // below.
 constexpr double kInMouth_mm = 1, kVestibule_mm = 30, kUpperFold_mm = -39, kLowerFold_mm = -75;
 
+// Lids that are parted: the edges of their margins, how far skin goes on over them, and how near they lie to the globe.
+constexpr double kLidEdge_mm = 0.35, kLidMargin_mm = 2, kBeforeGlobe_mm = 0.3;
+// They run out, and mucosa turns over to the globe, at fornices so far before the globe's middle (the lower one is some
+// 10 mm below the margin, the upper 13; as remembered).
+constexpr double kFornix_mm = 2.5;
+// Over the rim of the orbit, at its side and below, tissue is so much thinner.
+const Vec3 kSideOfRim(50, 68, 14), kBelowRim(34, 80, -4);
+constexpr double kThinAtSide_mm = 6, kThinBelow_mm = 4, kRimWide_mm = 9;
+// The grid there: about the lids, along the globe, and at the margins.
+const SmallCells kLidCells{{33, 78, 13}, 17, 1.1};
+constexpr double kGlobeCell_mm = 1.2, kMarginCell_mm = 0.5;
+// The picture has the globe between the margins: so far beside them it has lids.
+constexpr double kPictureBelow_mm = 0.8, kPictureAbove_mm = 1.2;
+constexpr double kLidsReach_mm = 21;     // from the globe's middle
+const Vec3 kPinkOfPicture(6, 104, -60);  // red lip, which mucosa has the colour of
+
 double cell_at(const Vec3& p) {
   const Vec3 q(std::abs(p.x()), p.y(), p.z());
   double cell = kFlatCell_mm;
@@ -74,6 +89,17 @@ Vec3 as_red_lip(const Vec3& p) {
   return {p.x(), p.y(), (line + (p.z() > line ? Mouth::red_to_mm(x) : Mouth::red_from_mm(x))) / 2};
 }
 
+/// A place of a margin or of the skin beside it: the picture was taken where lids and globe are one.
+Vec3 as_lid(const Vec3& p) {
+  double low, high;
+  Eye::margins(p.x(), low, high);
+  low -= kPictureBelow_mm, high += kPictureAbove_mm;
+  if (p.z() <= low || p.z() >= high) return p;
+  return {p.x(), p.y(), p.z() - low < high - p.z() ? low : high};
+}
+
+double bump(const Vec3& p, const Vec3& c, double sd) { return elementary::exp(-(p - c).squaredNorm() / (2 * sd * sd)); }
+
 double sides(const Vec3& p) { return std::max({kBack_mm - p.y(), p.z() - kTop_mm, kBottom_mm - p.z()}); }
 
 double globes(const Vec3& p) {
@@ -81,11 +107,67 @@ double globes(const Vec3& p) {
   return std::min((q - Eye::centre()).norm() - Eye::kGlobe_mm, (q - Eye::centre() - Vec3(0, 5.3, 0)).norm() - 7.9);
 }
 
+/// A slit through the tissue between free margins, and what lies behind it. mm.
+struct Opening {
+  std::function<double(const Vec3&)> slit, bed;  // above 0 within the slit; below 0 within the bed
+  std::function<double(const Vec3&)> filled;     // tissue within the slit, below 0; may be empty
+  std::function<double(const Vec3&)> thinner;    // by so much the tissue is
+  std::function<double(const Vec3&)> cell;       // of the grid
+  std::function<bool(const Vec3&)> free_behind;  // nothing holds what lies before the bed there
+  std::function<Vec3(const Vec3&)> pictured;     // where the picture of such a place was taken
+  double before_bed_mm, edge_mm, skin_mm;        // how near the bed; of the slit's edges; so deep a margin is skin
+  FacePart bed_part;                             // what else lies before the bed
+
+  double behind(const Vec3& p) const { return before_bed_mm - bed(p); }
+  double cut(double shell, const Vec3& p) const {
+    const double open = smax(smax(shell, behind(p), edge_mm), slit(p), edge_mm);
+    return filled ? std::min(open, smax(filled(p), behind(p), edge_mm)) : open;
+  }
+};
+
+Opening between_lips(const SkinShape& skin) {
+  Opening o;
+  o.slit = [](const Vec3& p) { return -Mouth::slit(p, kParted_mm); };
+  o.bed = MouthBed(skin);
+  o.thinner = [](const Vec3& p) {
+    const Vec2 off(p.x() / 30, (p.z() - Mouth::line_mm(0)) / 18);
+    return kThinner_mm * elementary::exp(-off.squaredNorm());
+  };
+  o.cell = [](const Vec3& p) { return std::max(1., 0.7 * Mouth::slit(p, kParted_mm)); };
+  o.free_behind = in_vestibule;
+  o.pictured = [&skin](const Vec3& p) { return skin(p) < -kInMouth_mm && in_vestibule(p) ? as_red_lip(p) : p; };
+  o.before_bed_mm = kBeforeBed_mm, o.edge_mm = kMargin_mm, o.skin_mm = kRedLip_mm, o.bed_part = FacePart::deep;
+  return o;
+}
+
+Opening between_lids() {
+  Opening o;
+  o.slit = Eye::fissure;
+  o.bed = Eye::globe_mm;
+  o.filled = [eye = Eye()](const Vec3& p) { return eye.caruncle(p); };
+  o.thinner = [](const Vec3& p) {
+    return kThinAtSide_mm * bump(p, kSideOfRim, kRimWide_mm) + kThinBelow_mm * bump(p, kBelowRim, kRimWide_mm);
+  };
+  o.cell = [](const Vec3& p) {
+    const double off = (p - kLidCells.c).norm() - kLidCells.r;
+    const double lids = kLidCells.cell + kCellSpread * std::max(0., off);
+    const double globe = kGlobeCell_mm + 0.5 * std::max(0., Eye::globe_mm(p) - kBeforeGlobe_mm);
+    return std::min({lids, globe, std::max(kMarginCell_mm, -0.7 * Eye::fissure(p))});
+  };
+  o.free_behind = [](const Vec3& p) { return p.x() > 0 && p.y() > Eye::parted_centre().y() + kFornix_mm; };
+  o.pictured = [](const Vec3& p) { return (p - Eye::parted_centre()).norm() > kLidsReach_mm ? p : as_lid(p); };
+  o.before_bed_mm = kBeforeGlobe_mm, o.edge_mm = kLidEdge_mm, o.skin_mm = kLidMargin_mm, o.bed_part = FacePart::globe;
+  return o;
+}
+
 }  // namespace
 
-FaceTissue make_face_tissue(Workers& workers, Lips lips) {
-  const SkinShape skin;
-  const bool parted = lips == Lips::parted;
+FaceTissue make_face_tissue(Workers& workers, const FaceOpenings& open) {
+  const bool bare_lids = open.lids == Lids::parted;
+  const SkinShape skin(bare_lids ? RightLids::bare : RightLids::upon_globe);
+  std::vector<Opening> openings;
+  if (open.lips == Lips::parted) openings.push_back(between_lips(skin));
+  if (bare_lids) openings.push_back(between_lids());
   // Far inside, the shape's function is no distance: that to its surface is looked up.
   LevelSet whole;
   whole.distance_mm = [&](const Vec3& p) { return skin(p); };
@@ -96,47 +178,57 @@ FaceTissue make_face_tissue(Workers& workers, Lips lips) {
   march_graded(whole, cell_at, workers, on_skin, skin_tri);
   const Bvh near_skin(on_skin, skin_tri);
   const auto thick_at = [&](const Vec3& p) {
-    const Vec2 off(p.x() / 30, (p.z() - Mouth::line_mm(0)) / 18);
-    return depth_at(p) - (parted ? kThinner_mm * elementary::exp(-off.squaredNorm()) : 0);
+    double thick = depth_at(p);
+    for (const Opening& o : openings) thick -= o.thinner(p);
+    return thick;
   };
   const auto deep = [&](const Vec3& p, double s) {
     return s > -1 ? -s - thick_at(p) : near_skin.closest(p).distance_mm - thick_at(p);
   };
-  const auto slit = [&](const Vec3& p) { return parted ? -Mouth::slit(p, kParted_mm) : -1e3; };
-  std::optional<MouthBed> bed;  // lips lie before it
-  if (parted) bed.emplace(skin);
   LevelSet set;
   set.distance_mm = [&](const Vec3& p) {
     const double s = skin(p);
     if (s > 10) return s;
-    const double shell = smax(smax(s, deep(p, s), kRound_mm), sides(p), kRound_mm);
-    return parted ? smax(smax(shell, kBeforeBed_mm - (*bed)(p), kMargin_mm), slit(p), kMargin_mm) : shell;
+    double shell = smax(smax(s, deep(p, s), kRound_mm), sides(p), kRound_mm);
+    for (const Opening& o : openings) shell = o.cut(shell, p);
+    return shell;
   };
-  set.lipschitz = std::max(SkinShape::kLipschitz, parted ? MouthBed::kLipschitz : 0);
+  set.lipschitz = std::max(SkinShape::kLipschitz, openings.empty() ? 0 : MouthBed::kLipschitz);
   set.low_mm = {-105, kBack_mm - 4, kBottom_mm - 4}, set.high_mm = {105, 138, kTop_mm + 4};
   const auto cell = [&](const Vec3& p) {
-    const double at = skin(p) > -5 ? cell_at(p) : kDeepCell_mm;
-    return parted ? std::min(at, std::max(1., -0.7 * slit(p))) : at;
+    double at = skin(p) > -5 ? cell_at(p) : kDeepCell_mm;
+    for (const Opening& o : openings) at = std::min(at, o.cell(p));
+    return at;
   };
   FaceTissue f;
   march_graded(set, cell, workers, f.X_mm, f.tri);
   keep_largest(f.X_mm, f.tri);
   thin_edges(f.X_mm, f.tri, set, [&](const Vec3& p) {
-    const double edge = skin(p) > -5 ? kThin * cell_at(p) : kDeepEdge_mm;
-    return parted ? std::min(edge, kThin * cell(p)) : edge;
+    double edge = skin(p) > -5 ? kThin * cell_at(p) : kDeepEdge_mm;
+    if (!openings.empty()) edge = std::min(edge, kThin * cell(p));
+    return edge;
   });
   for (const Tri& t : f.tri) {
     const Vec3 c = (f.X_mm[size_t(t[0])] + f.X_mm[size_t(t[1])] + f.X_mm[size_t(t[2])]) / 3;
-    const double s = skin(c), d = std::max(deep(c, s), bed ? kBeforeBed_mm - (*bed)(c) : -1e3), e = sides(c),
-                 m = slit(c);
-    FacePart part = s >= std::max(d, e) ? FacePart::skin : d >= e ? FacePart::deep : FacePart::side;
-    if (part == FacePart::skin && globes(c) < kGlobe_mm) part = FacePart::globe;
-    if (m > std::max({s, d, e})) part = s > -kRedLip_mm ? FacePart::skin : FacePart::mucosa;
-    if (parted && part == FacePart::deep && in_vestibule(c)) part = FacePart::mucosa;
+    const double s = skin(c), e = sides(c);
+    double d = deep(c, s);
+    FacePart beneath = FacePart::deep;
+    for (const Opening& o : openings)
+      if (o.behind(c) > d) d = o.behind(c), beneath = o.bed_part;
+    FacePart part = s >= std::max(d, e) ? FacePart::skin : d >= e ? beneath : FacePart::side;
+    if (part == FacePart::skin && globes(c) < kGlobe_mm && !(bare_lids && c.x() > 0)) part = FacePart::globe;
+    for (const Opening& o : openings) {
+      if (o.slit(c) > std::max({s, d, e})) part = s > -o.skin_mm ? FacePart::skin : FacePart::mucosa;
+      if (part == o.bed_part && o.free_behind(c)) part = FacePart::mucosa;
+    }
     f.part.push_back(part);
   }
-  for (const Vec3& X : f.X_mm)
-    f.uv.push_back(face_picture_place(parted && skin(X) < -kInMouth_mm && in_vestibule(X) ? as_red_lip(X) : X));
+  for (const Vec3& X : f.X_mm) {
+    Vec3 seen = X;
+    for (const Opening& o : openings) seen = o.pictured(seen);
+    f.uv.push_back(face_picture_place(seen));
+  }
+  if (bare_lids) f.uv_of_mucosa = face_picture_place(kPinkOfPicture);
   return f;
 }
 

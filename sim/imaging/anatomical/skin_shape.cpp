@@ -67,7 +67,7 @@ struct SkinShape::Parts {
   Ear ear;
 };
 
-SkinShape::SkinShape() {
+SkinShape::SkinShape(RightLids right) : bare_(right == RightLids::bare) {
   auto parts = std::make_unique<Parts>();
   std::vector<Vec3> at(std::begin(kBeneath), std::end(kBeneath));
   for (const Section& s : kSections)
@@ -92,7 +92,7 @@ double SkinShape::operator()(const Vec3& p) const {
   if (d > 60) return d - 20;
   d = parts_->mouth.upon(d, q);
   d = parts_->nose.upon(d, q);
-  d = parts_->eye.upon(d, q);
+  d = bare_ && p.x() > 0 ? parts_->eye.lids_upon(d, q) : parts_->eye.upon(d, q);
   return parts_->ear.upon(d, q);
 }
 

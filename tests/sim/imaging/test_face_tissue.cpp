@@ -10,15 +10,17 @@
 #include "sim/base/whole_file.h"
 #include "sim/geometry/bvh.h"
 #include "sim/geometry/io/obj_text.h"
+#include "sim/imaging/anatomical/eye_shape.h"
 #include "sim/imaging/anatomical/face_tissue.h"
+#include "sim/imaging/anatomical/lid_bed.h"
 #include "sim/imaging/anatomical/mouth_bed.h"
 
 namespace limberg {
 namespace test_face_tissue {
 
-FaceTissue made(Lips lips) {
+FaceTissue made(const FaceOpenings& open) {
   WorkersPool workers(2);
-  return make_face_tissue(workers, lips);
+  return make_face_tissue(workers, open);
 }
 
 template <class Surface>
@@ -88,9 +90,30 @@ void lips_are_apart(const FaceTissue& face) {
   }
 }
 
+/// From in front between the lids nothing is in the way of the globe; through a lid, towards the globe's middle, there
+/// is tissue of 2 to 4.5 mm (a margin is 2 mm thick, as remembered), then the globe.
+void lids_are_apart(const FaceTissue& face) {
+  using anatomical::Eye;
+  const Bvh all(face.X_mm, face.tri);
+  for (const auto& [x, z] :
+       {std::pair(26.0, 14.5), std::pair(31.5, 11.5), std::pair(31.5, 18.0), std::pair(38.0, 15.0)})
+    for (const Bvh::LineHit& h : all.line(Vec3(x, 200, z), -Vec3::UnitY(), 0, 200 - Eye::parted_centre().y()))
+      ADD_FAILURE() << x << ' ' << z << " meets tissue at y = " << 200 - h.t;
+  for (const auto& [x, z] : {std::pair(24.0, 8.0), std::pair(31.5, 6.5), std::pair(39.0, 8.5)}) {
+    const auto skin = all.line(Vec3(x, 200, z), -Vec3::UnitY(), 0, 140);
+    ASSERT_FALSE(skin.empty());
+    const Vec3 at(x, 200 - skin[0].t, z), inwards = (Eye::parted_centre() - at).normalized();
+    const auto lid = all.line(at - inwards, inwards, 0, 12);
+    ASSERT_EQ(lid.size(), 2u) << x;
+    EXPECT_GT(lid[1].t - lid[0].t, 2) << x;
+    EXPECT_LT(lid[1].t - lid[0].t, 4.5) << x;
+    EXPECT_NEAR(Eye::globe_mm(at + (lid[1].t - 1) * inwards), 0.3, 0.1) << x;
+  }
+}
+
 // One test each: they are made in some ten seconds.
 TEST(FaceTissue, IsClosedAsThickAsItSaysAndTheShippedOne) {
-  const FaceTissue face = made(Lips::one_surface);
+  const FaceTissue face = made({});
   is_the_shipped(face, "face", 0.01);
   EXPECT_EQ(euler_of_closed(face), 2);
   is_as_thick_as_it_says(face);
@@ -98,7 +121,7 @@ TEST(FaceTissue, IsClosedAsThickAsItSaysAndTheShippedOne) {
 }
 
 TEST(FaceTissue, PartedLipsHaveMarginsAndLieBeforeTeeth) {
-  const FaceTissue face = made(Lips::parted);
+  const FaceTissue face = made({.lips = Lips::parted});
   is_the_shipped(face, "lips", 0.01);
   EXPECT_EQ(euler_of_closed(face), 0) << "the mouth is the one hole";
   is_as_thick_as_it_says(face);
@@ -111,6 +134,26 @@ TEST(FaceTissue, PartedLipsHaveMarginsAndLieBeforeTeeth) {
   is_the_shipped(meshes.teeth, "teeth", 0.001);
   is_the_shipped(meshes.gums, "gums", 0.001);
   for (const Vec3& X : face.X_mm) ASSERT_GT(bed(X), -1) << X.transpose();  // its deep cells are 4 mm large
+}
+
+TEST(FaceTissue, PartedLidsHaveMarginsAndLieBeforeAGlobe) {
+  using anatomical::Eye;
+  const FaceTissue face = made({.lids = Lids::parted});
+  is_the_shipped(face, "lids", 0.01);
+  EXPECT_EQ(euler_of_closed(face), 0) << "the orbit is the one hole";
+  is_as_thick_as_it_says(face);
+  lids_are_apart(face);
+  const LidBedMeshes eye = make_lid_bed();
+  is_the_shipped(eye.globe, "eye", 0.001);
+  is_the_shipped(eye.iris, "iris", 0.001);
+  is_the_shipped(eye.pupil, "pupil", 0.001);
+  double front = -1e3, back = 1e3;
+  for (const Vec3& X : eye.globe.X_mm) {
+    front = std::max(front, X.y()), back = std::min(back, X.y());
+    ASSERT_NEAR(Eye::globe_mm(X), 0, 0.02) << X.transpose();
+  }
+  EXPECT_NEAR(front - back, 24.0, 1e-6);
+  for (const Vec3& X : face.X_mm) ASSERT_GT(Eye::globe_mm(X), 0.15) << X.transpose();
 }
 
 TEST(FaceTissue, ThePictureIsLaidWhereItWasTaken) {
