@@ -2,8 +2,8 @@
 // The statements v, vt, f and usemtl of a Wavefront OBJ file: what every reader of such files begins with.
 //
 // Read: triangles and polygons, v, v/vt, v//vn and v/vt/vn, negative indices (from the end so far), \r\n line ends,
-// # comments and line continuation by a backslash; colours of vertices, as scanners write them (v x y z r g b). Other statements (vn, s, g, o, mtllib ...) are skipped. A face may
-// name points that follow it.
+// # comments and line continuation by a backslash; colours of vertices, as scanners write them (v x y z r g b). Other
+// statements (vn, s, g, o, mtllib ...) are skipped. A face may name points that follow it.
 #include <limits>
 #include <string>
 #include <string_view>
