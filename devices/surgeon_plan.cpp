@@ -283,8 +283,11 @@ void SurgeonPlan::plan(const TieSuture&) {
   rise(aim);
 }
 
-/// The needle is laid down, and nothing else is taken.
-void SurgeonPlan::plan(const LetThreadGo&) { control(ControlSample::select_tool, Tool::none); }
+/// The needle is laid down, and for a while nothing else is taken: a thread slips when the patient shows it in no hand.
+void SurgeonPlan::plan(const LetThreadGo&) {
+  control(ControlSample::select_tool, Tool::none);
+  hold(Aim{}, set_.settle_s);
+}
 
 /// A stitch in cut faces, where these lie now; of other acts in space a hand knows none.
 void SurgeonPlan::plan(const InSpace& c) {
