@@ -5,11 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/base/elementary.h"
 #include "sim/commands/plan_numbers.h"
-#include "sim/fem/forces/spring_forces.h"
 #include "sim/lattice/embedding.h"
-#include "sim/patient/thread_friction.h"
 
 namespace limberg {
 namespace {
@@ -20,10 +17,8 @@ constexpr int kMostStitches = 500;     // of one row
 constexpr double kMet_mm = 0.2;        // edges nearer than this have met
 constexpr double kTear_N = 5.9;        // knot-pull strength of USP 4-0: no thread is drawn harder
 
-constexpr double kLeastBite_mm = 0.5;   // a needle that goes in nearer to the edge than this tears out
-constexpr double kSlips_N = 2e-3;       // a thread slips that is off by more than this, and by a hundredth
-constexpr double kSlip_N_per_mm = 0.5;  // ... so far that tissue of this stiffness follows; skin is softer
-constexpr double kUneven_mm = 1;        // bites of one stitch that differ by more lie unevenly
+constexpr double kLeastBite_mm = 0.5;  // a needle that goes in nearer to the edge than this tears out
+constexpr double kUneven_mm = 1;       // bites of one stitch that differ by more lie unevenly
 
 std::string mm(double v) { return fmt::format("{:.4g} mm", v); }
 
@@ -260,49 +255,6 @@ void Sutures::draw(Thread& t) const {
       kept, t.length_mm - std::clamp(0.5 * open, kMet_mm / 4, tissue_.spec().suture_pull_mm_per_step * stitches));
 }
 
-double Sutures::held_by_friction_N(int between) {
-  return kFreeEnd_N * elementary::exp(kThreadFriction * elementary::pi * (1 + 2 * between));
-}
-
-// From the free end inwards. What a used-up span could hold is what goes through it.
-void Sutures::slip(Thread& t) {
-  const double k = tissue_.spec().suture_k_N_per_mm, pull_mm = tissue_.spec().suture_pull_mm_per_step;
-  std::vector<Stitch*> spans;  // the last first
-  for (Stitch& s : holding_.stitches)
-    if (s.thread == t.id && s.across()) spans.push_back(&s);
-  std::reverse(spans.begin(), spans.end());
-  const auto take = [&](size_t inner, double mm) {  // out of the spans between it and the end, and out of the end
-    for (size_t i = inner; i-- > 0 && mm > 0;) {
-      const double some = std::min(mm, spans[i]->own_mm);
-      spans[i]->own_mm -= some, mm -= some;
-    }
-  };
-  t.closing = false;
-  double outer_N = kFreeEnd_N;
-  for (size_t i = 0; i < spans.size(); ++i) {
-    Stitch& s = *spans[i];
-    const double ratio = elementary::exp(kThreadFriction * elementary::pi * (i == 0 ? 1 : 2));
-    const double tension_N = k * std::max(0.0, (tissue_.held_mm(s.a) - tissue_.held_mm(s.b)).norm() - s.own_mm);
-    const double most_N = outer_N * ratio, least_N = outer_N / ratio;
-    if (const double off_N = tension_N - most_N; off_N > kSlips_N + 0.01 * most_N) {
-      const double mm = std::min(pull_mm, off_N / kSlip_N_per_mm);
-      take(i, mm);
-      s.own_mm += mm, t.closing = true;
-    } else if (i > 0 && least_N - tension_N > kSlips_N + 0.01 * least_N && s.own_mm > 0) {
-      const double mm = std::min({pull_mm, (least_N - tension_N) / k, s.own_mm});
-      s.own_mm -= mm, spans[i - 1]->own_mm += mm, t.closing = true;
-    }
-    outer_N = s.own_mm > 0 ? std::min(tension_N, most_N) : most_N;
-  }
-}
-
-void Sutures::take_up(Thread& t) {
-  if (!t.let_go) return;
-  t.let_go = false, t.closing = true, t.length_mm = 0;
-  for (Stitch& s : holding_.stitches)
-    if (s.thread == t.id) t.length_mm += std::exchange(s.own_mm, -1);
-}
-
 void Sutures::thread_through(std::vector<Stitch> spans, bool corner, double slack_mm) {
   Thread t;
   t.id = holding_.next_thread++;
@@ -536,27 +488,6 @@ Outcome Sutures::act(const TieSuture& c) {
   else
     t->length_mm += c.slack_mm;
   return {true, {}};
-}
-
-Outcome Sutures::act(const LetThreadGo&) {
-  Thread* t = sewn_thread();
-  if (!t) return {false, "no thread is being sewn; a bite of a running suture was expected before its end is let go"};
-  if (t->let_go) return {false, "the thread has been let go already; a bite or its knot was expected"};
-  std::vector<Stitch*> spans;
-  std::vector<double> length_mm;  // that the thread can take from (spring_forces.h)
-  double kept_mm = 0;
-  for (Stitch& s : holding_.stitches) {
-    if (s.thread != t->id) continue;
-    spans.push_back(&s);
-    kept_mm += s.slack_mm.norm();
-    length_mm.push_back(std::max(0.0, (tissue_.held_mm(s.a) - tissue_.held_mm(s.b)).norm() - s.slack_mm.norm()));
-  }
-  std::vector<double> sorted = length_mm;
-  const double stretch_mm = fem::SpringForces::thread_stretch_mm(sorted, std::max(0.0, t->length_mm - kept_mm));
-  for (size_t i = 0; i < spans.size(); ++i)
-    spans[i]->own_mm = spans[i]->slack_mm.norm() + std::max(0.0, length_mm[i] - stretch_mm);
-  t->let_go = t->closing = true;
-  return {true, "it is not tied, and the edges part again"};
 }
 
 Outcome Sutures::act(const SutureBetween& c) {
