@@ -2,7 +2,6 @@
 
 #include <metis.h>
 
-#include <mutex>
 #include <new>
 #include <stdexcept>
 #include <type_traits>
@@ -33,13 +32,7 @@ std::vector<int32_t> nested_dissection(const ScalarMatrix& A) {
       const int32_t i = A.row[size_t(k)];
       neighbour[size_t(next[size_t(j)]++)] = i, neighbour[size_t(next[size_t(i)]++)] = j;
     }
-  // METIS draws from the C library's rand(), which it seeds at its beginning and which the whole process shares: of two
-  // patients prepared at once, each would get an order by the other's draws, and other bits in the end.
-  static std::mutex one_at_a_time;
-  const int status = [&] {
-    const std::scoped_lock alone(one_at_a_time);
-    return METIS_NodeND(&n, first.data(), neighbour.data(), nullptr, nullptr, order.data(), place.data());
-  }();
+  const int status = METIS_NodeND(&n, first.data(), neighbour.data(), nullptr, nullptr, order.data(), place.data());
   if (status == METIS_ERROR_MEMORY) throw std::bad_alloc();
   if (status != METIS_OK) throw std::runtime_error("the order of elimination could not be found");
   return order;

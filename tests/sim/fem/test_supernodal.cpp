@@ -1,9 +1,7 @@
 // The factor's own numbers: L L^T is the matrix, from every instruction set the same bits.
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cstring>
-#include <thread>
 
 #include "models.h"
 #include "sim/fem/preconditioner/cholesky.h"
@@ -67,21 +65,6 @@ TEST(Supernodal, IsTheFactorOfTheMatrixFromEverySet) {
     const Dense was(shape, first);
     EXPECT_EQ(std::memcmp(was.value.data(), l.value.data(), l.value.size() * sizeof(double)), 0);
   }
-}
-
-/// Two patients that are prepared at once have the order that each has alone: what draws them shares its numbers.
-TEST(Supernodal, TheOrderIsTheSameBesideAnother) {
-  const ScalarMatrix A = matrix();
-  const std::vector<int32_t> alone = fem::analyze(A, {}).order;
-  std::array<int, 2> others{};
-  const auto many = [&](int& differ) {
-    for (int i = 0; i < 200; ++i) differ += fem::analyze(A, {}).order != alone;
-  };
-  std::thread beside([&] { many(others[0]); });
-  many(others[1]);
-  beside.join();
-  EXPECT_EQ(others[0], 0);
-  EXPECT_EQ(others[1], 0);
 }
 
 TEST(Supernodal, AnIndefiniteMatrixIsRefusedWhateverTheSet) {
