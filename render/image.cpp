@@ -125,15 +125,17 @@ void write_png(const std::string& file, const Image& image) {
 Image read_png(const std::string& file) { return decode_png(read_whole_file(file, kMostPng, "a PNG picture"), file); }
 
 Image read_picture(const std::string& file) {
-  const std::string bytes = read_whole_file(file, kMostPng, "a picture");
-  if (is_jpeg(bytes)) return decode_jpeg(bytes, file);
-  if (!bytes.starts_with("\x89PNG\r\n\x1a\n"))
-    throw InputError(file, 0, "is neither a PNG nor a JPEG picture; expected one of them");
-  return decode_png(bytes, file);
+  return decode_picture(read_whole_file(file, kMostPng, "a picture"), file);
+}
+
+Image decode_picture(std::string_view bytes, const std::string& name) {
+  if (is_jpeg(bytes)) return decode_jpeg(bytes, name);
+  if (!is_png(bytes)) throw InputError(name, 0, "is neither a PNG nor a JPEG picture; expected one of them");
+  return decode_png(bytes, name);
 }
 
 Image decode_png(std::string_view bytes, const std::string& name) {
-  if (!bytes.starts_with("\x89PNG\r\n\x1a\n")) throw InputError(name, 0, "is not a PNG picture; expected one");
+  if (!is_png(bytes)) throw InputError(name, 0, "is not a PNG picture; expected one");
   Image image;
   bool too_large = false;
   if (!read_rows(bytes, image, too_large))

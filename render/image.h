@@ -49,8 +49,10 @@ Image decode_png(std::string_view bytes, const std::string& name);
 /// The same of JPEG: baseline or progressive, in colours or in grey; a picture of four inks is refused. What its camera
 /// says of how it was held (Exif) is not looked at: a texture's places are those of the file.
 Image decode_jpeg(std::string_view bytes, const std::string& name);
+inline bool is_png(std::string_view bytes) { return bytes.starts_with("\x89PNG\r\n\x1a\n"); }
 inline bool is_jpeg(std::string_view bytes) { return bytes.starts_with("\xff\xd8\xff"); }
 /// PNG or JPEG, by its first bytes.
+Image decode_picture(std::string_view bytes, const std::string& name);
 Image read_picture(const std::string& file);
 
 /// Averages blocks of factor x factor pixels; width and height must be multiples of factor.

@@ -136,8 +136,9 @@ void read_texture(Imported& x, const std::vector<std::string>& folders) {
     return;
   }
   try {
-    read_picture(x.texture_file);
-    x.texture = read_whole_file(x.texture_file, kMostPng, "a picture");
+    std::string bytes = read_whole_file(x.texture_file, kMostPng, "a picture");
+    decode_picture(bytes, x.texture_file);
+    x.texture = std::move(bytes);
   } catch (const InputError& e) {
     x.texture_why = e.what();
   }

@@ -92,8 +92,7 @@ std::string field_map_svg(const SurfaceView& view, const Body& body, std::span<c
   s += text;
   for (int n = 0; n < 10; ++n) {
     const double v = map.lo + (map.hi - map.lo) * (map.dark_is_low ? 1 - n / 10.0 : n / 10.0);
-    std::string figure = fmt::format("{:.3g}", v);
-    std::replace(figure.begin(), figure.end(), '.', map.decimal);
+    const std::string figure = map.w("{:.3g}", v);
     text = fmt::format(
         "<rect x=\"585\" y=\"{}\" width=\"18\" height=\"18\" fill=\"{}\"/><text x=\"610\" y=\"{}\">{} {}</text>\n",
         40 + 20 * n, kInk[n], 54 + 20 * n, figure, n == 0 ? map.unit.c_str() : "");

@@ -3,6 +3,7 @@
 #include <span>
 #include <string>
 
+#include "app/words/words.h"
 #include "sim/body/body.h"
 #include "sim/cutting/arrangement/surface_view.h"
 
@@ -12,7 +13,7 @@ struct FieldMap {
   std::string title, unit;
   double lo = 0, hi = 1;     // of the scale: ten steps from light to dark
   bool dark_is_low = false;  // what is to be seen is where the figure is small
-  char decimal = '.';        // between a number and its fraction
+  Words w{};                 // of its figures
 };
 
 /// An SVG picture, y up, in squares of a 160th of what is shown: what lies within 25 mm of a cut, or all skin where

@@ -6,6 +6,7 @@
 #include "app/pictures/field_map.h"
 #include "app/pictures/pictures_drawn.h"
 #include "app/pictures/skin_fields.h"
+#include "app/report/parts.h"
 #include "app/report/report_names.h"
 #include "app/result/output.h"
 #include "app/result/progress.h"
@@ -16,11 +17,7 @@
 
 namespace limberg {
 
-std::string picture_title(const Words& w, const std::string& english) {
-  std::string title = w.said(english);
-  if (!title.empty() && title[0] >= 'a' && title[0] <= 'z') title[0] = char(title[0] - 'a' + 'A');
-  return title;
-}
+std::string picture_title(const Words& w, const std::string& english) { return capital(w.said(english)); }
 
 namespace {
 
@@ -163,7 +160,7 @@ void draw_maps(const std::string& dir, const Snapshot& last, const Words& w) {
   const SurfaceView& view = last.topology->view;
   write_whole_file(dir + "/" + report_names::perfusion,
                    field_map_svg(view, skin.body(), perfusion(view, skin).index,
-                                 {w("Perfusion index (dark: little)"), "", 0, 1, true, w.decimal()}));
+                                 {w("Perfusion index (dark: little)"), "", 0, 1, true, w}));
   const std::vector<MembraneState> states = skin_states(view, last.x_mm, skin.body());
   std::vector<float> stress(states.size(), -1);
   std::vector<std::pair<double, double>> all;
@@ -173,7 +170,7 @@ void draw_maps(const std::string& dir, const Snapshot& last, const Words& w) {
   write_whole_file(dir + "/" + report_names::stress,
                    field_map_svg(view, skin.body(), stress,
                                  {w("Largest principal stress of the skin"), "kPa", 0,
-                                  std::max(1.0, weighted_percentile(all, 0.99)), false, w.decimal()}));
+                                  std::max(1.0, weighted_percentile(all, 0.99)), false, w}));
 }
 
 }  // namespace

@@ -62,8 +62,7 @@ void replace_checks(SetUpOutcome& o, const std::string& step, const std::vector<
 
 std::string in_words(const RoomCheck& c, const Words& w) {
   const std::string unit = c.unit.empty() ? "" : " " + c.unit;
-  std::string value = fmt::format("{:>8.3g}", c.value + 0.0), limit = fmt::format("{:.3g}", c.limit);
-  for (std::string* figure : {&value, &limit}) std::replace(figure->begin(), figure->end(), '.', w.decimal());
+  const std::string value = w("{:>8.3g}", c.value + 0.0), limit = w("{:.3g}", c.limit);
   return fmt::format("{:<5} {:<44} {}{}, {} {}", c.good() ? w("good") : w("BAD"), w.said(c.what), value, unit,
                      c.at_most ? w("at most") : w("at least"), limit);
 }

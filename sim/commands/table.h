@@ -404,8 +404,7 @@ struct Act<LetThreadGo> {
   static constexpr bool looks_back = true;
   static constexpr const char* help =
       "The thread that is sewn bite after bite is let go without a knot: it slips until friction holds it, and the "
-      "edges "
-      "part again, most at its end. A further bite or \"suture_tie\" draws it tight.";
+      "edges part again, most at its end. A further bite or \"suture_tie\" draws it tight.";
   static constexpr const char* example = R"({"action":"suture_let_go"})";
   static void fields(auto&, auto&) {}
   static std::string words(const LetThreadGo&) { return "thread let go"; }

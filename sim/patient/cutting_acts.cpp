@@ -65,10 +65,8 @@ CutResult SoftTissue::cut_stroke(TissueCut& cut, const std::vector<ChartPoint>& 
 }
 
 Acted<TissueChange> SoftTissue::cut(const Undermine& c) {
-  const BladeContext context = tissue_.blade_context();
-  const BladeResult blade = c.above_held_mm > 0
-                                ? build_undermining(context, c.outline, c.depth_mm, {&tissue_.skin(), c.above_held_mm})
-                                : build_undermining(context, c.outline, c.depth_mm);
+  const AlongHeld held{c.above_held_mm > 0 ? &tissue_.skin() : nullptr, c.above_held_mm};
+  const BladeResult blade = build_undermining(tissue_.blade_context(), c.outline, c.depth_mm, held);
   if (!blade.blade) return {false, blade.reason};
   TissueCut cut(tissue_, spec().refine_pockets ? Divide::fronts : Divide::nothing);
   const CutResult made = cut.cut(*blade.blade, seed());

@@ -71,17 +71,14 @@ struct ThroughCut {
 };
 BladeResult build_through(const BladeContext& context, const Skin& skin, const ThroughCut& cut);
 
-/// A sheet under an outline. Where the outline runs along an earlier cut it is widened beyond its wall.
-BladeResult build_undermining(const BladeContext& context, std::span<const ChartPoint> outline, double depth_mm);
-
-/// The same along what is held: where the body's held surface lies nearer below the skin than the depth, the sheet lies
-/// `above_mm` above it, and falls off from there no steeper than kSlope. `skin` is that of the body. Refused where
-/// nothing is held within the depth.
+/// A sheet under an outline. Where the outline runs along an earlier cut it is widened beyond its wall. Along what is
+/// held: where the body's held surface lies nearer below the skin than the depth, the sheet lies `above_mm` above it,
+/// and falls off from there no steeper than kSlope. Refused where nothing is held within the depth.
 struct AlongHeld {
-  const Skin* skin = nullptr;
+  const Skin* skin = nullptr;  // that of the body; null: at one depth
   double above_mm = 0.5;
 };
 BladeResult build_undermining(const BladeContext& context, std::span<const ChartPoint> outline, double depth_mm,
-                              const AlongHeld& held);
+                              const AlongHeld& held = {});
 
 }  // namespace limberg

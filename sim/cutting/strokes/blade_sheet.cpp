@@ -190,8 +190,10 @@ std::vector<double> sheet_depths(const SheetDepth& depth, std::span<const Column
   return d;
 }
 
-BladeResult sheet_under(const BladeContext& c, std::span<const ChartPoint> outline, double depth_mm,
-                        const AlongHeld& along_held) {
+}  // namespace
+
+BladeResult build_undermining(const BladeContext& c, std::span<const ChartPoint> outline, double depth_mm,
+                              const AlongHeld& along_held) {
   std::string why = check_stroke(outline, depth_mm);
   if (!why.empty()) return refuse(why);
   std::vector<Vec2> path = clean_outline(outline, why);
@@ -298,17 +300,6 @@ BladeResult sheet_under(const BladeContext& c, std::span<const ChartPoint> outli
   if (!any_seed) blade.seed.assign(blade.seed.size(), 2);
   if (why = fits_grid(c, blade); !why.empty()) return refuse(why);
   return {std::move(blade), {}};
-}
-
-}  // namespace
-
-BladeResult build_undermining(const BladeContext& c, std::span<const ChartPoint> outline, double depth_mm) {
-  return sheet_under(c, outline, depth_mm, {});
-}
-
-BladeResult build_undermining(const BladeContext& c, std::span<const ChartPoint> outline, double depth_mm,
-                              const AlongHeld& held) {
-  return sheet_under(c, outline, depth_mm, held);
 }
 
 }  // namespace limberg

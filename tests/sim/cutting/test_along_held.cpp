@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/body/obj.h"
 #include "sim/body/skin.h"
 #include "sim/cutting/strokes/drawn_stroke.h"
+#include "tests/sim/cutting/body_on_bone.h"
 
 namespace limberg {
 namespace test_along_held {
@@ -20,13 +20,7 @@ std::shared_ptr<const Body> wedge() {
       "v -30 -20 -4\nv 10 -20 -12\nv 10 20 -12\nv -30 20 -4\nv 30 -20 -12\nv 30 20 -12\n"
       "usemtl skin\nf 1 2 3 4\nusemtl cut\nf 1 5 6\nf 1 6 9 2\nf 2 9 10 3\nf 3 10 7\nf 3 7 8 4\nf 4 8 5 1\n"
       "f 6 7 10 9\nusemtl bone\nf 5 8 7 6\n";
-  ObjSpec spec;
-  spec.path = "wedge.obj";
-  spec.tags = {{"skin", ObjTag::What::skin}, {"cut", ObjTag::What::cut}, {"bone", ObjTag::What::held}};
-  Layer skin, fat;
-  skin.thickness_mm = 1.5, fat.thickness_mm = 100;
-  spec.layers = {skin, fat};
-  return std::make_shared<const Body>(parse_obj(obj, spec));
+  return test::body_on_bone(obj);
 }
 
 struct Slab {

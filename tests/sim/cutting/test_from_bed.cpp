@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/body/obj.h"
 #include "sim/body/skin.h"
 #include "sim/cutting/strokes/drawn_stroke.h"
+#include "tests/sim/cutting/body_on_bone.h"
 
 namespace limberg {
 namespace test_from_bed {
@@ -18,13 +18,7 @@ std::shared_ptr<const Body> slab() {
   const std::string obj =
       "v -30 -12 0\nv 30 -12 0\nv 30 12 0\nv -30 12 0\nv -30 -12 -9\nv 30 -12 -9\nv 30 12 -9\nv -30 12 -9\n"
       "usemtl skin\nf 1 2 3 4\nusemtl cut\nf 1 5 6 2\nf 2 6 7 3\nf 3 7 8 4\nf 5 8 7 6\nusemtl bone\nf 4 8 5 1\n";
-  ObjSpec spec;
-  spec.path = "slab.obj";
-  spec.tags = {{"skin", ObjTag::What::skin}, {"cut", ObjTag::What::cut}, {"bone", ObjTag::What::held}};
-  Layer skin, fat;
-  skin.thickness_mm = 1.5, fat.thickness_mm = 100;
-  spec.layers = {skin, fat};
-  return std::make_shared<const Body>(parse_obj(obj, spec));
+  return test::body_on_bone(obj);
 }
 
 struct Pocketed {
