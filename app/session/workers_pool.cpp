@@ -208,4 +208,10 @@ std::shared_ptr<Workers::Job> WorkersPool::submit(std::function<void()> job) {
   return j;
 }
 
+void WorkersPool::alone(const std::function<void()>& job) {
+  static std::mutex one_at_a_time;  // what it guards is the process's own
+  const std::scoped_lock lock(one_at_a_time);
+  job();
+}
+
 }  // namespace limberg

@@ -32,6 +32,8 @@ class WorkersPool final : public Workers {
   Pace pace() const;
   void parallel_for(size_t n, size_t grain, const std::function<void(size_t, size_t)>& body) override;
   std::shared_ptr<Job> submit(std::function<void()> job) override;
+  /// One at a time among all pools of the process.
+  void alone(const std::function<void()>& job) override;
 
  private:
   void end();

@@ -24,6 +24,10 @@ class Workers {
   /// Calls body(begin, end) over chunks of [0,n) of at most `grain`; returns when all are done.
   virtual void parallel_for(size_t n, size_t grain, const std::function<void(size_t, size_t)>& body) = 0;
   virtual std::shared_ptr<Job> submit(std::function<void()> job) = 0;
+  /// Runs `job` here and now, while no other thread of the process is in an alone(): for a library that keeps something
+  /// which the whole process shares (METIS draws from the C library's rand()). Whoever works on several Worlds at once
+  /// overrides it by one lock for all; this one is for a process with a single World at work.
+  virtual void alone(const std::function<void()>& job) { job(); }
 };
 
 /// Everything on the calling thread; a submitted job runs when it is waited for (done() is false until then).

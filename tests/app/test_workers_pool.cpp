@@ -3,6 +3,7 @@
 #include <pthread.h>
 #include <sched.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -13,6 +14,8 @@
 
 #include "app/session/thread.h"
 #include "app/session/workers_pool.h"
+#include "sim/fem/model/box_model.h"
+#include "sim/fem/preconditioner/cholesky.h"
 
 namespace limberg {
 namespace test_workers_pool {
@@ -108,6 +111,45 @@ TEST(WorkersPool, ErrorsReachWhoeverWaits) {
     EXPECT_THROW(j->wait(), std::runtime_error);
   }
   EXPECT_THROW(WorkersPool(0), std::invalid_argument);
+}
+
+TEST(WorkersPool, OneAloneAtATimeAmongAllPools) {
+  std::atomic<int> inside{0}, most{0};
+  const auto many = [&] {
+    WorkersPool pool(1);
+    for (int i = 0; i < 50; ++i)
+      pool.alone([&] {
+        most = std::max(most.load(), ++inside);
+        std::this_thread::yield();
+        --inside;
+      });
+  };
+  std::thread beside(many);
+  many();
+  beside.join();
+  EXPECT_EQ(most.load(), 1);
+  WorkersPool pool(1);  // what is thrown gets out and leaves the way free
+  EXPECT_THROW(pool.alone([] { throw std::runtime_error("alone"); }), std::runtime_error);
+  bool ran = false;
+  pool.alone([&] { ran = true; });
+  EXPECT_TRUE(ran);
+}
+
+/// METIS draws from the process's rand(): of two patients made at once each has the order that it has alone.
+TEST(WorkersPool, TheOrderOfEliminationIsTheSameBesideAnother) {
+  BoxSpec box;
+  box.cells = {14, 13, 4}, box.size_mm = {60, 60, 10};
+  const fem::ScalarMatrix A = fem::assemble_scalar(box_model(box), {}, 0);
+  WorkersPool first(1), second(1);
+  const std::vector<int32_t> order = fem::nested_dissection(A, first);
+  std::atomic<int> differ{0};
+  const auto many = [&](Workers& workers) {
+    for (int i = 0; i < 200; ++i) differ += fem::nested_dissection(A, workers) != order;  // 192 without alone()
+  };
+  std::thread beside([&] { many(second); });
+  many(first);
+  beside.join();
+  EXPECT_EQ(differ.load(), 0);
 }
 
 TEST(Thread, NeverInheritsRealTimeScheduling) {

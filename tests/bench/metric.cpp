@@ -40,14 +40,15 @@ void rebuilds(Result& out, const MetricSize& size, const char* what, const Wound
               bool with_bars) {
   const auto old_cycle = fem::ScalarCycle::build(before.model, {}, 0);
   const fem::ScalarMatrix A0 = fem::assemble_scalar(*before.model, {}, 0);
-  const fem::ScalarFactor F0 = fem::factorize(A0, {});
+  InlineWorkers workers;
+  const fem::ScalarFactor F0 = fem::factorize(A0, workers);
   Times metis, inherited, full, local;
   fem::ScalarCycle::Made made;
   double fill = 0;
   for (int repeat = 0; repeat < 7; ++repeat) {  // all four in turn, so that a disturbance meets all
     double start = cpu_ms();
     const auto stop = [&](Times& t) { t.add(cpu_ms() - start), start = cpu_ms(); };
-    const auto fresh = fem::factorize(fem::assemble_scalar(*after.model, {}, 0), {});
+    const auto fresh = fem::factorize(fem::assemble_scalar(*after.model, {}, 0), workers);
     stop(metis);
     const fem::ScalarMatrix A = fem::assemble_scalar(*after.model, {}, 0);
     const auto again = fem::factorize(A, fem::inherited_order(A, F0.node_order, after.model->parent.flat()));

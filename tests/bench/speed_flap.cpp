@@ -40,8 +40,8 @@ struct Spectrum {
 Spectrum spectrum(const FemModel& m, const Field& u) {
   const ReferenceElasticity elastic(m, {});
   const fem::ScalarMatrix A = fem::assemble_scalar(m, {}, 0, false);
-  const fem::ScalarFactor F = fem::factorize(A, {});
   InlineWorkers workers;
+  const fem::ScalarFactor F = fem::factorize(A, workers);
   const fem::Engine engine(workers);
   const size_t n = m.X_mm.size();
   const auto stiffness = [&](const Field& v) {

@@ -37,12 +37,12 @@ void instruction_sets(const SpeedRun& run, const SpeedKernelsSize& size) {
   const size_t n = model->X_mm.size();
   const auto cycle = fem::ScalarCycle::build(model, {}, 0);
   const fem::ScalarMatrix A = fem::assemble_scalar(*model, {}, 0);
-  const fem::ScalarFactor F = fem::factorize(A, {});
+  InlineWorkers workers;
+  const fem::ScalarFactor F = fem::factorize(A, workers);
   const std::vector<uint8_t> free = fem::free_nodes(*model);
   NodeArray u = some_nodes(n, 0.3f), g(n), r = some_nodes(n, 1), z(n), y = some_nodes(size_t(A.n()), 1);
   for (size_t i = 0; i < n; ++i)
     if (!free[i]) r[i] = {};
-  InlineWorkers workers;
   fem::ElementSystem cells(model);
   const std::vector<const Kernels*> sets = fem::available_kernels();
   struct Parts {
@@ -90,9 +90,9 @@ void instruction_sets(const SpeedRun& run, const SpeedKernelsSize& size) {
 void three_right_hand_sides(const SpeedRun& run, const SpeedKernelsSize& size) {
   const BenchScene scene = bench_scene(size.side, size.layers, 0.49);
   const fem::ScalarMatrix A = fem::assemble_scalar(scene.model, {}, 0);
-  const fem::ScalarFactor F = fem::factorize(A, {});
-  fem::DirectFactor direct(A), simplicial(A, false);
   InlineWorkers workers;
+  const fem::ScalarFactor F = fem::factorize(A, workers);
+  fem::DirectFactor direct(A), simplicial(A, false);
   const Engine engine(workers);
   const NodeArray b = some_nodes(size_t(A.n()), 1);
   NodeArray y = b;

@@ -124,7 +124,7 @@ void profile(const SpeedRun& run, const char* name, int side, int layers) {
   fem::ScalarCycle::Work work;
   NodeArray y;
   if (n <= 10000) {
-    factor = fem::factorize(fem::assemble_scalar(*model, {}, 0), {});
+    factor = fem::factorize(fem::assemble_scalar(*model, {}, 0), workers);
     y.resize(factor.node_order.size());
     const double bytes = double(factor.panels.bytes());
     parts.push_back({"metric: panels, read twice",

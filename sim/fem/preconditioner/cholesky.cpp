@@ -12,9 +12,20 @@ namespace limberg::fem {
 
 namespace {
 
-/// Nested dissection of the matrix's graph, rows in the order of elimination. METIS is asked here and not by CHOLMOD,
-/// which takes whatever METIS leaves behind when memory fails in it for an order.
-std::vector<int32_t> nested_dissection(const ScalarMatrix& A) {
+// What CHOLMOD has asked for goes back, also when there is no memory for what is read from it.
+struct Analysis {
+  cholmod_common common;
+  cholmod_factor* L = nullptr;
+  Analysis() { cholmod_start(&common); }
+  ~Analysis() { cholmod_free_factor(&L, &common), cholmod_finish(&common); }
+  Analysis(const Analysis&) = delete;
+  Analysis& operator=(const Analysis&) = delete;
+};
+
+}  // namespace
+
+// METIS is asked here and not by CHOLMOD, which takes whatever METIS leaves behind when memory fails in it for an order.
+std::vector<int32_t> nested_dissection(const ScalarMatrix& A, Workers& workers) {
   static_assert(std::is_same_v<idx_t, int32_t>);
   int32_t n = A.n();
   std::vector<int32_t> first(size_t(n) + 1, 0), order(static_cast<size_t>(n)), place(static_cast<size_t>(n));
@@ -32,26 +43,17 @@ std::vector<int32_t> nested_dissection(const ScalarMatrix& A) {
       const int32_t i = A.row[size_t(k)];
       neighbour[size_t(next[size_t(j)]++)] = i, neighbour[size_t(next[size_t(i)]++)] = j;
     }
-  const int status = METIS_NodeND(&n, first.data(), neighbour.data(), nullptr, nullptr, order.data(), place.data());
+  int status = METIS_OK;
+  workers.alone([&] {  // its random numbers are the process's rand(), which it seeds at its beginning
+    status = METIS_NodeND(&n, first.data(), neighbour.data(), nullptr, nullptr, order.data(), place.data());
+  });
   if (status == METIS_ERROR_MEMORY) throw std::bad_alloc();
   if (status != METIS_OK) throw std::runtime_error("the order of elimination could not be found");
   return order;
 }
 
-// What CHOLMOD has asked for goes back, also when there is no memory for what is read from it.
-struct Analysis {
-  cholmod_common common;
-  cholmod_factor* L = nullptr;
-  Analysis() { cholmod_start(&common); }
-  ~Analysis() { cholmod_free_factor(&L, &common), cholmod_finish(&common); }
-  Analysis(const Analysis&) = delete;
-  Analysis& operator=(const Analysis&) = delete;
-};
-
-}  // namespace
-
 SupernodalShape analyze(const ScalarMatrix& A, std::span<const int32_t> order) {
-  std::vector<int32_t> given = order.empty() ? nested_dissection(A) : std::vector<int32_t>(order.begin(), order.end());
+  std::vector<int32_t> given(order.begin(), order.end());
   Analysis analysis;
   cholmod_common& common = analysis.common;
   common.print = 0;

@@ -141,7 +141,7 @@ std::shared_ptr<const Preconditioner::Recipe> Preconditioner::next_recipe(double
 void Preconditioner::submit(std::shared_ptr<const Recipe> recipe) {
   auto p = std::make_unique<Pending>();
   p->recipe = recipe;
-  auto job = [model = now_.model, recipe, result = p->result] {
+  auto job = [model = now_.model, recipe, result = p->result, &workers = engine_.workers()] {
     try {
       result->begun = true;
       if (result->unwanted) return;
@@ -152,7 +152,7 @@ void Preconditioner::submit(std::shared_ptr<const Recipe> recipe) {
         factor =
             std::make_shared<ScalarFactor>(factorize(A, inherited_order(A, *recipe->order_from, *recipe->ancestor)));
       if (!factor || double(factor->panels.bytes()) > most_fill * double(recipe->ordered_bytes)) {
-        factor = std::make_shared<ScalarFactor>(factorize(A, {}));
+        factor = std::make_shared<ScalarFactor>(factorize(A, workers));
         result->ordered_bytes = factor->panels.bytes();
       }
       result->factor = std::move(factor);

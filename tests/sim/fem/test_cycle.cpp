@@ -287,7 +287,7 @@ TEST(Dissection, CostsNoMoreFillThanAGraphPartitioner) {
       if (A.row_of_node[size_t(v)] >= 0) order.push_back(A.row_of_node[size_t(v)]);
     ASSERT_EQ(int32_t(order.size()), A.n());
     const double own = double(fem::factorize(A, order).panels.bytes()),
-                 metis = double(fem::factorize(A, {}).panels.bytes());
+                 metis = double(fem::factorize(A, test::engine().workers()).panels.bytes());
     EXPECT_LT(own, 1.3 * metis);
   }
 }

@@ -187,7 +187,7 @@ TEST(Kernels, VectorsAgree) {
 TEST(Kernels, FactorAndCycleAgree) {
   const auto m = std::make_shared<FemModel>(block({44, 43, 4}));
   const fem::ScalarMatrix A = fem::assemble_scalar(*m, {}, 0);
-  const fem::ScalarFactor F = fem::factorize(A, {});
+  const fem::ScalarFactor F = fem::factorize(A, test::engine().workers());
   const auto cycle = fem::ScalarCycle::build(m, {}, 0);
   const std::vector<uint8_t> free = fem::free_nodes(*m);
   NodeArray r = random_nodes(free.size(), 1, 5), b = random_nodes(size_t(A.n()), 1, 6);

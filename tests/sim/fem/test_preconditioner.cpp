@@ -206,7 +206,8 @@ TEST(Preconditioner, InheritedOrderCostsLittleFill) {
   const FemModel before = bench_scene(24, 2, 0.45).model;
   const FemModel after = test::cut_at_x0(before, 20);
   const auto A0 = fem::assemble_scalar(before, {}, 0), A1 = fem::assemble_scalar(after, {}, 0);
-  const auto F0 = fem::factorize(A0, {}), best = fem::factorize(A1, {});
+  Workers& workers = test::engine().workers();
+  const auto F0 = fem::factorize(A0, workers), best = fem::factorize(A1, workers);
   const auto inherited = fem::factorize(A1, fem::inherited_order(A1, F0.node_order, after.parent.flat()));
   EXPECT_LT(double(inherited.panels.bytes()), 1.3 * double(best.panels.bytes()));  // measured before: 1.1
 }

@@ -38,7 +38,7 @@ struct Dense {
 
 TEST(Supernodal, IsTheFactorOfTheMatrixFromEverySet) {
   const ScalarMatrix A = matrix();
-  const SupernodalShape shape = fem::analyze(A, {});
+  const SupernodalShape shape = fem::analyze(A, fem::nested_dissection(A, test::engine().workers()));
   ASSERT_GT(shape.supernodes(), 20);
   SupernodalFactor first;
   for (const fem::Kernels* k : fem::available_kernels()) {
@@ -70,7 +70,7 @@ TEST(Supernodal, IsTheFactorOfTheMatrixFromEverySet) {
 TEST(Supernodal, AnIndefiniteMatrixIsRefusedWhateverTheSet) {
   ScalarMatrix A = matrix();
   A.value[size_t(A.begin[200])] *= -1;
-  const SupernodalShape shape = fem::analyze(A, {});
+  const SupernodalShape shape = fem::analyze(A, fem::nested_dissection(A, test::engine().workers()));
   for (const fem::Kernels* k : fem::available_kernels())
     EXPECT_THROW((void)fem::factorize(A, shape, *k), std::runtime_error) << k->name;
 }
