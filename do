@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The two commands of Limberg, and twelve for those who work on it.
 #   ./do demo [NAME]   build, then replay a shipped recording headless into out/demo (default: rhomboid)
-#   ./do test          check the format, build, run every test, and name what was skipped
+#   ./do test          check the format, build (Python's module too), run every test, and name what was skipped
 #   ./do build         build only; the binary is build/limberg
 #   ./do sanitize      every test under AddressSanitizer + UBSan, then under ThreadSanitizer (hours; 'address' or 'thread': one)
 #   ./do fuzz [SECONDS] [ENTRY ...]  readers and packets under libFuzzer, each so long (600 s), from tests/fuzz/corpus and back into it
@@ -110,11 +110,20 @@ demo() {
   build/limberg replay "recordings/$name.lcm" --lockstep --out "$out" --json "$out/result.json" "$@"
 }
 
+# Python's module, in a folder of its own: its archives are position independent, those of build/ stay as they are.
+python_module() {
+  [ -f build-python/build.ninja ] || cmake -S . -B build-python -G Ninja -DLIMBERG_PYTHON=ON -DLIMBERG_APP=OFF -DLIMBERG_TESTS=OFF >/dev/null
+  cmake --build build-python --parallel "$(jobs)" --target limberg_python
+}
+python_packages=(python3-dev pybind11-dev python3-pybind11 python3-numpy)
+
 case "${1:-help}" in
   build) build ;;
   test)
+    packages+=("${python_packages[@]}")
     check_format
     build
+    python_module
     run_tests build
     ;;
   sanitize)
@@ -183,11 +192,10 @@ case "${1:-help}" in
     build test_headset
     ctest --test-dir build --output-on-failure -R '^(Room|Headset)'
     ;;
-  python)  # in a folder of its own: its archives are position independent, those of build/ stay as they are
-    packages+=(python3-dev pybind11-dev python3-pybind11 python3-numpy)
+  python)
+    packages+=("${python_packages[@]}")
     build limberg
-    [ -f build-python/build.ninja ] || cmake -S . -B build-python -G Ninja -DLIMBERG_PYTHON=ON -DLIMBERG_APP=OFF -DLIMBERG_TESTS=OFF >/dev/null
-    cmake --build build-python --parallel "$(jobs)" --target limberg_python
+    python_module
     tests/python/run.sh build-python/python build/limberg
     ;;
   cluster)  # nothing else needs these packages; limberg only calls sbatch, squeue and scontrol where they are

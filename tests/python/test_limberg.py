@@ -21,6 +21,11 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAM = os.path.abspath(os.environ.get("LIMBERG_PROGRAM", ROOT / "build/limberg"))
 PACKAGE = pathlib.Path(limberg.__file__).parent
 
+
+def result_of(folder):
+    return json.loads(pathlib.Path(folder, "r.json").read_text())
+
+
 SMALL = """name = "small"
 [body]
 source = "block"
@@ -58,7 +63,7 @@ class SameBits(unittest.TestCase):
             script = str(ROOT / "recordings/rhomboid.jsonl")
             done = program("operate", "rhomboid", script, "--cell-mm", "6", "--json", tmp + "/r.json", cwd=tmp)
             self.assertIn(done.returncode, (0, 3), done.stderr)
-            was = json.load(open(tmp + "/r.json"))
+            was = result_of(tmp)
         scene = limberg.open_scene("rhomboid")
         scene.cell_mm = 6
         world = limberg.World(scene, workers=2)
@@ -259,8 +264,8 @@ class Recordings(unittest.TestCase):
             self.assertEqual((r.scene().hash, r.damaged), (scene.hash, 0))
             done = program("replay", file, "--json", tmp + "/r.json")
             self.assertIn(done.returncode, (0, 3), done.stderr)
-            self.assertEqual(json.load(open(tmp + "/r.json"))["metrics"]["pieces"], 1)
-            self.assertGreater(json.load(open(tmp + "/r.json"))["metrics"]["wound_gape_mm"], 0)
+            self.assertEqual(result_of(tmp)["metrics"]["pieces"], 1)
+            self.assertGreater(result_of(tmp)["metrics"]["wound_gape_mm"], 0)
             with self.assertRaisesRegex(limberg.InputError, "exist"):
                 limberg.write_recording(file, scene, commands=[(0, cut)])
             with self.assertRaises(ValueError):

@@ -24,7 +24,7 @@ struct Analysis {
 
 }  // namespace
 
-// METIS is asked here and not by CHOLMOD, which takes whatever METIS leaves behind when memory fails in it for an order.
+// METIS is asked here and not by CHOLMOD, which takes for an order whatever METIS leaves when memory fails in it.
 std::vector<int32_t> nested_dissection(const ScalarMatrix& A, Workers& workers) {
   static_assert(std::is_same_v<idx_t, int32_t>);
   int32_t n = A.n();
