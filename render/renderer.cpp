@@ -261,7 +261,7 @@ struct Renderer::Impl {
     const bool field = o.colour_field && (part == Part::skin || part == Part::wall || part == Part::face);
     const bool clear = part == Part::face && o.face == FaceLook::clear;
     const bool lines = o.tension_lines && part == Part::skin && tension != Eigen::Vector2f::Zero();
-    const bool coloured = !uploaded->rgba.empty() && (part == Part::face || part == Part::bone) && !field,
+    const bool coloured = !uploaded->rgba.empty() && part != Part::bone_cut && part != Part::tool && !field,
                image = uploaded->image && part == Part::skin && !field;
     const int key = int(part) * 256 + image * 128 + coloured * 64 + lines * 32 + o.still * 16 + clear * 8 +
                     o.shadow * 4 + o.fine_skin * 2 + field;

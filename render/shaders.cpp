@@ -167,6 +167,9 @@ void main() {
   vec3 albedo = texture(skin_map, v_chart * (1.0 / 64.0)).rgb;
 #endif
   albedo *= albedo;
+#ifdef COLOURED
+  albedo = mix(albedo, v_rgba.rgb * v_rgba.rgb, v_rgba.a);  // a region beneath or in it
+#endif
   vec3 ink = vec3(0.105, 0.07, 0.22);  // gentian violet, as on a marked patient
   albedo = mix(albedo, albedo * vec3(0.56, 0.45, 0.58), 0.44 * grid.r);
   albedo = mix(albedo, mix(ink, albedo, 0.16), 0.76 * grid.g);
@@ -210,6 +213,10 @@ void main() {
   vec3 albedo = texture(layer_map, vec2((v_depth + ragged * smoothstep(0.15, 0.6, v_depth)) / layer_range, 0.5)).rgb;
   albedo *= albedo;
   float fat = smoothstep(1.4, 2.1, v_depth);
+#ifdef COLOURED
+  albedo = mix(albedo, v_rgba.rgb * v_rgba.rgb * (0.85 + 0.3 * m.b), v_rgba.a);
+  fat *= 1.0 - v_rgba.a;  // whatever it is, it has no lobules
+#endif
   // Lobules differ in tone; between them lie thin septa, paler and redder than fat.
   vec3 lobule = mix(vec3(0.95, 0.78, 0.70), vec3(1.0), smoothstep(0.15, 0.55, m.g)) * (0.93 + 0.14 * m.a);
   albedo *= mix(vec3(0.98 + 0.22 * (m.b - 0.5)), lobule, fat);
@@ -244,6 +251,9 @@ void main() {
   vec3 v = normalize(eye - v_world), n = facing(v);
   vec3 layer = texture(layer_map, vec2(v_depth / layer_range, 0.5)).rgb;
   layer *= layer;
+#ifdef COLOURED
+  layer = mix(layer, v_rgba.rgb * v_rgba.rgb, v_rgba.a);
+#endif
   // The border of what is computed: the layers, as of a specimen that was cut off, paler than a wound.
   float grey = dot(layer, vec3(0.30, 0.59, 0.11));
   vec3 albedo = mix(vec3(0.50, 0.47, 0.44) * (0.45 + 0.75 * grey), layer, 0.50) * 0.85;

@@ -41,6 +41,8 @@ std::vector<Blob> bundle(const Scene& scene, const Calibration& calibration) {
   };
   if (scene.source == Scene::Source::obj) add_mesh(scene.obj.path);
   for (const ColliderSpec& c : scene.colliders) add_mesh(c.path);
+  for (const RegionSpec& r : scene.regions)
+    if (!r.volume.empty()) add_mesh(r.volume);
   return out;
 }
 

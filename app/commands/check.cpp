@@ -199,6 +199,12 @@ void check_scene(const Scene& scene) {
                 l.material.prestretch_across);
     print_law(l.material);
   }
+  for (const auto& r : body->regions) {
+    std::printf("region      %s, %.3g kPa, Poisson %.3g, prestretch %.3g along, %.3g across\n", r->name().c_str(),
+                r->material().young_kPa, r->material().poisson, r->material().prestretch_along,
+                r->material().prestretch_across);
+    print_law(r->material());
+  }
   if (scene.head) print_head_scene(*scene.head);
   std::printf("hash        %s\n", hex(scene.hash).c_str());
 }

@@ -140,6 +140,12 @@ std::vector<std::array<uint8_t, 4>> own_colours(const TissueMesh& m) {
     const size_t at = 3 * (size_t(y) * size_t(image.width) + size_t(x));
     if (at + 2 < image.rgb.size()) out[v] = {image.rgb[at], image.rgb[at + 1], image.rgb[at + 2], 255};
   }
+  for (size_t v = 0; v < out.size() && m.rgba.size() == out.size(); ++v) {  // a region's colour lies on the picture
+    const std::array<uint8_t, 4>& own = m.rgba[v];
+    const double share = out[v][3] == 0 ? 1 : own[3] / 255.0;
+    for (size_t c = 0; c < 3; ++c) out[v][c] = uint8_t(out[v][c] + share * (own[c] - out[v][c]) + 0.5);
+    out[v][3] = std::max(out[v][3], own[3]);
+  }
   return out;
 }
 

@@ -17,6 +17,8 @@ std::string ExportStory::layers() const {
   if (!scene_.flesh) return text;
   for (size_t i = 0; i < scene_.layers().size(); ++i)
     text += (i ? ", " : "") + std::to_string(i) + " " + scene_.layers()[i].name;
+  for (size_t r = 0; r < scene_.regions.size(); ++r)
+    text += ", " + std::to_string(scene_.layers().size() + r) + " " + scene_.regions[r].name;
   return text;
 }
 

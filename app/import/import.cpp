@@ -127,6 +127,31 @@ void read_colliders(Imported& x, const std::vector<std::string>& folders) {
   }
 }
 
+/// Tissue of another kind: what cannot be used is left out, and said.
+void read_volumes(Imported& x, const std::vector<std::string>& folders) {
+  constexpr size_t kMost = 64;                       // of a scene of ours
+  constexpr double kLeast = 0.01, kMostStiff = 1e4;  // beyond, a weight says that something does not give at all
+  for (size_t i = 0; i < x.scene.volumes.size(); ++i) {
+    const std::string& name = x.scene.volumes[i];
+    const double stiffness = x.scene.volume_stiffness[i];
+    const std::string file = look_for(fs::path(name).filename().string(), folders);
+    std::string why = file.empty()                ? "is not there"
+                      : !(stiffness > 0)          ? "has no weight"
+                      : x.volumes.size() == kMost ? "is one too many"
+                                                  : "";
+    if (why.empty()) try {
+        ColliderSpec spec;
+        spec.path = file, spec.scale_to_mm = x.unit_mm, spec.what = "region";
+        x.volumes.push_back({name, load_collider(spec), std::clamp(stiffness, kLeast, kMostStiff)});
+      } catch (const InputError& e) {
+        why = e.what();
+      }
+    if (!why.empty())
+      x.volumes_left_out.push_back(
+          fmt::format(english("{} is as soft as the rest: it {}."), limberg::quoted(name, 200), why));
+  }
+}
+
 /// The picture of the skin, if it is there and can be read.
 void read_texture(Imported& x, const std::vector<std::string>& folders) {
   if (x.scene.texture.empty()) return;
@@ -153,8 +178,7 @@ std::vector<std::string> missing_of(const Imported& x) {
   };
   out.insert(out.end(), x.colliders_left_out.begin(), x.colliders_left_out.end());
   if (!x.scene.scenery.empty()) out.push_back(fmt::format(english("Scenery is not drawn: {}."), list(x.scene.scenery)));
-  if (!x.scene.volumes.empty())
-    out.push_back(fmt::format(english("Volumes of other tissue are as soft as the rest: {}."), list(x.scene.volumes)));
+  out.insert(out.end(), x.volumes_left_out.begin(), x.volumes_left_out.end());
   if (x.scene.strain_most > 0)
     out.push_back(fmt::format(
         english("The peer's limits of stretch, {:g} to {:g}, are not carried: our tissue stiffens by its law."),
@@ -217,6 +241,7 @@ Imported import_peer(const ImportSettings& s) {
   }
   x.model = parse_peer_model(obj, x.model_file, x.scene, bed ? &*bed : nullptr, x.bed_file, x.unit_mm);
   read_colliders(x, folders);
+  read_volumes(x, folders);
   read_texture(x, folders);
   x.skin_mm = x.model.median_depth_mm();
   if (!(x.skin_mm > 0)) x.skin_mm = 2;

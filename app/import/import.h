@@ -35,8 +35,14 @@ struct Imported {
   PeerScene scene;
   PeerModel model;
   std::vector<std::shared_ptr<const Collider>> colliders;  // in mm
+  struct Volume {
+    std::string file;                       // as it is named
+    std::shared_ptr<const Collider> solid;  // in mm
+    double stiffness = 1;                   // in that of the other tissue
+  };
+  std::vector<Volume> volumes;  // tissue of another kind
   CarriedOperation operation;
-  std::vector<std::string> colliders_left_out;
+  std::vector<std::string> colliders_left_out, volumes_left_out;
   std::vector<std::string> mended, missing;  // let pass in the files; of the peer's scene what ours has not
   double unit_mm = 0, cell_mm = 0, region_mm = 0, skin_mm = 0, spacing_mm = 0, bite_mm = 0;
   bool unit_guessed = false;
@@ -53,6 +59,7 @@ std::string collider_obj(const Collider& c);
 /// "NAME.jpg"; empty: there is no picture.
 std::string picture_name(const Imported& x);
 std::string collider_name(const Imported& x, size_t i);
+std::string volume_name(const Imported& x, size_t i);
 std::string script_text(const Imported& x);
 std::string import_page(const Imported& x, const Words& w = {});
 std::string import_json(const Imported& x);

@@ -36,6 +36,14 @@ std::string file_name(const std::string& path) {
   return s;
 }
 
+/// Of a region of a scene: at most 40 bytes, no two alike.
+std::string region_name(const Imported& x, size_t i) {
+  const std::string name = file_name(x.volumes[i].solid->name).substr(0, 36);
+  return x.volumes.size() > 1 ? fmt::format("{} {}", name, i + 1) : name;
+}
+
+constexpr double kSoft_kPa = 15;  // as the last layer below
+
 }  // namespace
 
 std::string scene_toml(const Imported& x) {
@@ -57,18 +65,27 @@ std::string scene_toml(const Imported& x) {
     t += fmt::format("\n[[body.tag]]\nmaterial = \"{}\"\nwhat = \"{}\"\n", material, what_of(material));
   for (size_t i = 0; i < x.colliders.size(); ++i)
     t += fmt::format("\n# {}\n[[collider]]\nmesh = \"{}.obj\"\n", file_name(x.colliders[i]->name), collider_name(x, i));
+  std::string regions;
+  for (size_t i = 0; i < x.volumes.size(); ++i)
+    regions += fmt::format(
+        "# {}: {:.3g} times as stiff as the tissue around it, as the peer weighs its strain\n[[region]]\nname = "
+        "\"{}\"\nvolume = \"{}.obj\"\nyoung_kPa = {:.4g}\npoisson = 0.45\ndensity_kg_m3 = 1100\ncolour = [0.88, "
+        "0.89, 0.86]\n\n",
+        file_name(x.volumes[i].file), x.volumes[i].stiffness, region_name(x, i), volume_name(x, i),
+        kSoft_kPa * x.volumes[i].stiffness);
   t += fmt::format(
       "\n# As in our face.toml: skin 60 kPa, the soft tissue of a face taken together 15 kPa (Chabanas 2003). The\n"
       "# thickness is the median of the deep points.\n[[layer]]\nname = \"skin\"\nthickness_mm = {:.2f}\nyoung_kPa = "
       "60\n"
       "poisson = 0.45\ndensity_kg_m3 = 1100\n\n[[layer]]\nname = \"fat and muscle\"\nthickness_mm = 100\nyoung_kPa = "
       "15\n"
-      "poisson = 0.45\ndensity_kg_m3 = 950\n\n[lattice]\ncell_mm = {:.3g}\nregion_mm = {:.0f}  # what lies farther "
+      "poisson = 0.45\ndensity_kg_m3 = 950\n\n{}[lattice]\ncell_mm = {:.3g}\nregion_mm = {:.0f}  # what lies farther "
       "from the "
       "operation holds still\n\n[solver]\niterations_per_step = 10\nseed = 1\n\n[tools]\nmax_depth_mm = 40\n"
       "default_depth_mm = {:.2f}\ndefault_spacing_mm = {:.3g}\n\n[springs]\nsuture_bite_mm = {:.3g}\nhook_tip_mm = "
       "{:.3g}\n\n",
-      x.skin_mm, x.cell_mm, x.region_mm, std::clamp(1.1 * x.skin_mm, 0.1, 40.0), x.spacing_mm, x.bite_mm, x.bite_mm);
+      x.skin_mm, regions, x.cell_mm, x.region_mm, std::clamp(1.1 * x.skin_mm, 0.1, 40.0), x.spacing_mm, x.bite_mm,
+      x.bite_mm);
   const double distance = std::clamp(5.0 * o.reach_mm + 40, 60.0, 2000.0);
   t += fmt::format("[camera]\ntarget_mm = {}\nfrom = {}\nup = {}\ndistance_mm = {:.0f}\nfov_deg = 28\n",
                    place(o.middle_mm), direction(n), direction(e2), distance);
@@ -102,6 +119,7 @@ std::string picture_name(const Imported& x) {
   return x.texture.empty() ? "" : x.name + (is_jpeg(x.texture) ? ".jpg" : ".png");
 }
 
+std::string volume_name(const Imported& x, size_t i) { return fmt::format("{}-region-{}", x.name, i + 1); }
 std::string collider_name(const Imported& x, size_t i) { return fmt::format("{}-collider-{}", x.name, i + 1); }
 
 std::string collider_obj(const Collider& c) {

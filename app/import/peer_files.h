@@ -21,6 +21,7 @@ struct PeerScene {
   int object_line = 0;
   std::vector<std::string> scenery, volumes, colliders;  // OBJs: drawn only; tissue of another kind; kept out of
   std::vector<std::string> collider_texture;             // picture of each, as it is named; empty: not said
+  std::vector<double> volume_stiffness;                  // of each, in that of the other tissue; 0: not said
   int subdivisions = 0, levels = 0;                      // of the peer's lattice; 0: not said
   double stitch_spacing = 0;                             // of rows, in the file's units; 0: not said
   double strain_least = 0, strain_most = 0;              // 0: not said

@@ -77,6 +77,15 @@ PeerScene parse_peer_scene(std::string_view text, const std::string& file) {
     s.texture = picture_numbered(root, &maps->item[0], file);
   s.scenery = names_in(root, "staticObjects", file);
   s.volumes = names_in(root, "tetrahedralSubsets", file);
+  // Weights of small strains, in those of the tissue round about.
+  const char* const weight = "lowTetWeight";
+  const LenientJson* all = root.find("tetrahedralProperties");
+  const double usual = all && all->is(LenientJson::Kind::object) ? property(*all, weight, 0, 1e12, file) : 0;
+  for (const std::string& name : s.volumes) {
+    const LenientJson* of = root.find("tetrahedralSubsets")->find(name);
+    const double own = of && of->is(LenientJson::Kind::object) ? property(*of, weight, 0, 1e12, file) : 0;
+    s.volume_stiffness.push_back(usual > 0 && own > 0 ? own / usual : 0);
+  }
   s.colliders = names_in(root, "fixedCollisionSets", file);
   const LenientJson* still = root.find("staticObjects");
   for (const std::string& name : s.colliders) {

@@ -16,6 +16,7 @@
 #include "app/scene/scene_lattice.h"
 #include "app/scene/scene_layers.h"
 #include "app/scene/scene_loads.h"
+#include "app/scene/scene_regions.h"
 #include "app/scene/toml_table.h"
 #include "render/image.h"
 #include "sim/base/error.h"
@@ -124,31 +125,32 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
   Table top(&root, "", path);
   top.text("name", s.name, 200);
   top.text("note", s.note, 10'000);
-  top.finish({"head", "body", "collider", "layer", "lattice", "loads", "build", "springs", "solver", "tools",
+  top.finish({"head", "body", "collider", "layer", "region", "lattice", "loads", "build", "springs", "solver", "tools",
               "landmarks", "camera"});
 
   s.head = read_head(root, path);
   s.flesh = !s.head || root.contains("body");
   if (!s.flesh)
-    for (const char* key : {"collider", "layer", "lattice", "loads", "springs", "build"})
+    for (const char* key : {"collider", "layer", "region", "lattice", "loads", "springs", "build"})
       if (const toml::node* n = root.get(key))
         throw InputError(path, int(n->source().begin.line),
                          std::string(key) + " belongs to a [body], and there is none; expected a [body] or no " + key);
   if (s.flesh) read_body(section(root, "body", path), s, path), read_colliders(root, path, s);
   s.laws = laws ? laws : shipped_laws();
   std::optional<TissueLibrary> library;
-  if (s.flesh)
-    (s.source == Scene::Source::block ? s.block.layers : s.obj.layers) =
-        read_layers(root, path, *s.laws, [&](Table& layer) -> const TissueLibrary& {
-          if (library) return *library;
-          const std::string file = find_tissues(path);
-          if (file.empty())
-            layer.fail(
-                "tissue",
-                "cannot be looked up: there is no tissues.toml beside the scene or in the folder above; expected one");
-          s.tissues = read_whole_file(file, kMaxBytes, "a library of tissues");
-          return library.emplace(parse_tissues(s.tissues, file, *s.laws));
-        });
+  const auto tissues = [&](Table& of) -> const TissueLibrary& {
+    if (library) return *library;
+    const std::string file = find_tissues(path);
+    if (file.empty())
+      of.fail("tissue",
+              "cannot be looked up: there is no tissues.toml beside the scene or in the folder above; expected one");
+    s.tissues = read_whole_file(file, kMaxBytes, "a library of tissues");
+    return library.emplace(parse_tissues(s.tissues, file, *s.laws));
+  };
+  if (s.flesh) {
+    (s.source == Scene::Source::block ? s.block.layers : s.obj.layers) = read_layers(root, path, *s.laws, tissues);
+    read_regions(root, path, s, tissues);
+  }
 
   read_lattice(root, path, s);
   read_loads(root, path, s);
@@ -228,6 +230,8 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
     h.add(read_whole_file(s.obj.path, ObjLimits::file_bytes, "the OBJ surface that the scene names"));
   for (const ColliderSpec& c : s.colliders)
     h.add(read_whole_file(c.path, ObjLimits::file_bytes, "a collider that the scene names"));
+  for (const RegionSpec& r : s.regions)
+    if (!r.volume.empty()) h.add(read_whole_file(r.volume, ObjLimits::file_bytes, "a region that the scene names"));
   if (s.head) {
     for (const std::string& f : s.head->bone_files)
       h.add(read_whole_file(f, ObjLimits::file_bytes, "a simplex mesh that the scene names"));
@@ -298,6 +302,7 @@ std::shared_ptr<const Body> build_body(const Scene& scene, SurfaceReport* report
     body->name = scene.name;
     body->laws = scene.laws;
     for (const ColliderSpec& c : scene.colliders) body->colliders.push_back(load_collider(c));
+    add_regions(scene, *body);
     if (const double side = (body->box_max_mm - body->box_min_mm).minCoeff(); scene.cell_mm > side)
       throw InputError(scene.path, 0,
                        "lattice.cell_mm is " + number(scene.cell_mm) + ", larger than the surface's smallest side of " +
@@ -309,6 +314,7 @@ std::shared_ptr<const Body> build_body(const Scene& scene, SurfaceReport* report
   auto body = std::make_shared<Body>(make_block(scene.block));
   body->laws = scene.laws;
   for (const ColliderSpec& c : scene.colliders) body->colliders.push_back(load_collider(c));
+  add_regions(scene, *body);
   if (report) *report = validate_surface(body->surface, body->grid, scene.path);
   check_fine_places(scene, body);
   check_load_places(scene, body);

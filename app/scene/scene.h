@@ -14,6 +14,8 @@
 //                from the skin down, one at least. Instead of
 //                young_kPa a law with its constants, or a tissue of
 //                the library, and a Prony series: scene_layers.h
+//   [[region]]   tissue of its own within the layers: muscle, cartilage, a scar: scene_regions.h
+//   [[collider]] what the tissue lies against: scene_colliders.h
 //   [lattice]    cell_mm, refine_fronts (cells in which a cut ends are
 //                divided; false), refine_pockets (then also at the rim of
 //                what is undermined; true), region_mm (> 0: tissue farther
@@ -66,6 +68,8 @@ struct Scene {
   BlockSpec block;                      // when source is block
   ObjSpec obj;                          // when source is obj; obj.path is resolved against the scene file's folder
   std::vector<ColliderSpec> colliders;  // what the tissue lies against
+  std::vector<RegionSpec> regions;      // tissue of its own
+  std::vector<int> region_line;         // where in the file each stands
   std::string texture;  // of an obj's skin, a PNG or JPEG file; empty: what the OBJ's material names, if that is there
 
   double cell_mm = 3.5;

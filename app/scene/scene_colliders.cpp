@@ -27,12 +27,9 @@ void read_colliders(const toml::table& root, const std::string& file, Scene& s) 
     one.text("mesh", c.path, 4000);
     if (!fs::path(c.path).is_absolute()) c.path = (fs::path(file).parent_path() / c.path).lexically_normal().string();
     one.real("scale_to_mm", c.scale_to_mm, 0, 1e6, true);
-    if (one.has("colour")) {
-      Vec3 srgb = Vec3::Zero();
-      one.vector("colour", srgb, 1);
-      if (srgb.minCoeff() < 0) one.fail("colour", "has a part below 0; expected three numbers from 0 to 1");
-      c.colour = srgb.cast<float>();
-    }
+    std::optional<Vec3f> colour;
+    one.colour("colour", colour);
+    if (colour) c.colour = *colour;
     one.finish();
     s.colliders.push_back(std::move(c));
   }

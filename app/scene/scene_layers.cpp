@@ -87,6 +87,17 @@ void read_material(Table& t, Material& m, const LawCatalogue& laws) {
   }
 }
 
+const NamedTissue* named_tissue(Table& t, const std::function<const TissueLibrary&(Table&)>& library) {
+  std::string tissue;
+  t.text("tissue", tissue, 60);
+  if (tissue.empty()) return nullptr;
+  const TissueLibrary& from = library(t);
+  const NamedTissue* found = from.find(tissue);
+  if (!found)
+    t.fail("tissue", "is \"" + tissue + "\", which " + from.path + " does not hold; expected one of " + from.names());
+  return found;
+}
+
 std::vector<Layer> read_layers(const toml::table& root, const std::string& file, const LawCatalogue& laws,
                                const std::function<const TissueLibrary&(Table&)>& library) {
   const toml::node* n = root.get("layer");
@@ -101,18 +112,11 @@ std::vector<Layer> read_layers(const toml::table& root, const std::string& file,
     Layer l;
     l.material = unknown_material();
     l.thickness_mm = kUnknown;
-    std::string tissue;
-    t.text("tissue", tissue, 60);
-    if (!tissue.empty()) {
-      const TissueLibrary& from = library(t);
-      const NamedTissue* found = from.find(tissue);
-      if (!found)
-        t.fail("tissue",
-               "is \"" + tissue + "\", which " + from.path + " does not hold; expected one of " + from.names());
-      l.material = found->material;
-      if (found->thickness_mm > 0) l.thickness_mm = found->thickness_mm;
-      l.name = tissue;
-      l.material.tissue = tissue;
+    if (const NamedTissue* tissue = named_tissue(t, library)) {
+      l.material = tissue->material;
+      if (tissue->thickness_mm > 0) l.thickness_mm = tissue->thickness_mm;
+      l.name = tissue->name;
+      l.material.tissue = tissue->name;
     }
     if (!t.has("name") && l.name.empty())
       t.fail("name", "is missing; expected name, thickness_mm, young_kPa and poisson in every layer");

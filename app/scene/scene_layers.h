@@ -20,6 +20,8 @@ namespace limberg {
 Material unknown_material();
 /// The keys of a material. `m` holds what is known already. Its young_kPa becomes that of the law at small strain.
 void read_material(Table& t, Material& m, const LawCatalogue& laws);
+/// The tissue of the library that a table names; null: it names none.
+const NamedTissue* named_tissue(Table& t, const std::function<const TissueLibrary&(Table&)>& library);
 /// `library` is asked for when a layer names a tissue; it throws when there is none.
 std::vector<Layer> read_layers(const toml::table& root, const std::string& file, const LawCatalogue& laws,
                                const std::function<const TissueLibrary&(Table&)>& library);

@@ -162,6 +162,14 @@ class Table {
       value[Eigen::Index(i)] = *v;
     }
   }
+  /// sRGB, three numbers from 0 to 1.
+  void colour(const char* key, std::optional<Vec3f>& value) {
+    Vec3 srgb = Vec3::Zero();
+    const bool given = has(key);
+    vector(key, srgb, 1);
+    if (srgb.minCoeff() < 0) fail(key, "has a part below 0; expected three numbers from 0 to 1");
+    if (given) value = srgb.cast<float>();
+  }
   void direction(const char* key, Vec3& value) {
     vector(key, value, 1e6);
     if (value.norm() < 1e-6) fail(key, "has no length; expected a direction");

@@ -34,6 +34,8 @@ inline constexpr const char* kPatientTexts[] = {
     english("running suture tied"),
     english("thread let go"),
     english("thread let go: it is not tied, and the edges part again"),
+    english("{} at {} %"),
+    english("{} active at {} %"),
     english("stage: {}"),
     english("shown by the program:"),
     english("end of what was shown"),

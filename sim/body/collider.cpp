@@ -22,23 +22,25 @@ constexpr ObjTextLimits kMostText{500'000, 1'000'000, 256};
 constexpr double kLongest_mm = 1000, kLeast_mm3 = 1e-3;
 
 /// Every edge has a face on either side, which run along it in opposite directions.
-void check_closed(const TriMesh& m, std::span<const int32_t> line, const std::string& file) {
+void check_closed(const TriMesh& m, std::span<const int32_t> line, const ColliderSpec& spec) {
   std::map<std::pair<int32_t, int32_t>, size_t> face_of;
   for (size_t t = 0; t < m.tri.size(); ++t)
     for (size_t k = 0; k < 3; ++k)
       if (!face_of.emplace(std::pair(m.tri[t][k], m.tri[t][(k + 1) % 3]), t).second)
-        throw InputError(file, line[t],
-                         "an edge of the collider has two faces that run the same way along it; expected a closed "
-                         "surface whose faces all look outwards");
+        throw InputError(spec.path, line[t],
+                         "an edge of the " + spec.what +
+                             " has two faces that run the same way along it; expected a closed surface whose faces "
+                             "all look outwards");
   for (const auto& [e, t] : face_of)
     if (!face_of.contains({e.second, e.first}))
-      throw InputError(file, line[t], "the collider is open at an edge of this face; expected a closed surface");
+      throw InputError(spec.path, line[t],
+                       "the " + spec.what + " is open at an edge of this face; expected a closed surface");
 }
 
 }  // namespace
 
 std::shared_ptr<const Collider> load_collider(const ColliderSpec& spec) {
-  return parse_collider(read_whole_file(spec.path, kMostBytes, "a collider"), spec);
+  return parse_collider(read_whole_file(spec.path, kMostBytes, "a " + spec.what), spec);
 }
 
 std::shared_ptr<const Collider> parse_collider(std::string_view text, const ColliderSpec& spec) {
@@ -59,18 +61,18 @@ std::shared_ptr<const Collider> parse_collider(std::string_view text, const Coll
         low = low.cwiseMin(m.X_mm[size_t(v)]), high = high.cwiseMax(m.X_mm[size_t(v)]);
     }
   if (const double longest = (high - low).maxCoeff(); !(longest <= kLongest_mm))
-    throw InputError(
-        spec.path, 0,
-        fmt::format("the collider is {:g} mm long; expected at most {:g} (is the scale right?)", longest, kLongest_mm));
-  check_closed(m, line, spec.path);
+    throw InputError(spec.path, 0,
+                     fmt::format("the {} is {:g} mm long; expected at most {:g} (is the scale right?)", spec.what,
+                                 longest, kLongest_mm));
+  check_closed(m, line, spec);
   double volume_mm3 = 0;
   for (const Tri& t : m.tri)
     volume_mm3 += (m.X_mm[size_t(t[0])] - low).dot((m.X_mm[size_t(t[1])] - low).cross(m.X_mm[size_t(t[2])] - low)) / 6;
   if (!(volume_mm3 > kLeast_mm3))
     throw InputError(spec.path, 0,
-                     fmt::format("the collider holds {:g} mm3; expected faces that look outwards, counter-clockwise "
-                                 "seen from there",
-                                 volume_mm3));
+                     fmt::format("the {} holds {:g} mm3; expected faces that look outwards, counter-clockwise seen "
+                                 "from there",
+                                 spec.what, volume_mm3));
   std::erase_if(m.tri, [&](const Tri& t) {  // they have no side
     return !(area_vector2(m.X_mm[size_t(t[0])], m.X_mm[size_t(t[1])], m.X_mm[size_t(t[2])]).norm() > 0);
   });

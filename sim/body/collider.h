@@ -22,6 +22,7 @@ struct ColliderSpec {
   std::string path;  // of an OBJ file
   double scale_to_mm = 1;
   Vec3f colour = Collider().colour;
+  std::string what = "collider";  // in messages
 };
 
 /// Throws InputError, with file and line, where the surface is open at an edge, looks inwards or is longer than 1 m. It

@@ -254,6 +254,7 @@ Body parse_obj(std::string_view text, const ObjSpec& spec, SurfaceReport* report
             : "no face is tagged as skin or mucosa; expected some skin");
 
   body.name = std::filesystem::path(spec.path).stem().string();
+  body.paints = read.material, body.paint_of = std::move(materials);
   body.layers = spec.layers;
   if (body.layers.empty()) body.layers.push_back({"tissue", 1000, Material{}});
   body.tension_direction = spec.tension_direction.normalized();

@@ -26,7 +26,7 @@ struct Shown {
 
 using Command = std::variant<Incise, InciseMore, Undermine, Excise, SetHook, MoveHook, ReleaseHook, Suture, SutureRow,
                              Undo, Redo, Stage, Wait, Shown, Mark, SutureCorner, SutureBetween, CutSuture, ExcisePiece,
-                             CutThrough, InSpace, HeadCommand, SutureBite, TieSuture, LetThreadGo>;
+                             CutThrough, InSpace, HeadCommand, SutureBite, TieSuture, LetThreadGo, Activate>;
 
 /// What came of a command. A refused one has changed nothing.
 struct Outcome {

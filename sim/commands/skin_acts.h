@@ -122,6 +122,11 @@ struct SutureBetween {
 struct CutSuture {
   StitchPick which;
 };
+/// A muscle of the scene (body/region.h) pulls along its fibres, from 0 to 1 of what it can.
+struct Activate {
+  std::string region;
+  double level = 0;
+};
 /// A line drawn on the skin with a pen, or what a swab wipes off: every line of the pen within kWiped_mm of the path.
 /// Nothing of the tissue changes.
 struct Mark {

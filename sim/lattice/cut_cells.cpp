@@ -135,6 +135,18 @@ void CellMoments::add(const CellMoments& o, double factor) {
   for (size_t n = 0; n < 27; ++n) of[n] += factor * o.of[n];
 }
 
+void add_point(CellMoments& m, const LayerPoint& p) {
+  const double own = p.edge * p.edge / 12;
+  std::array<std::array<double, 3>, 3> power{};
+  for (size_t a = 0; a < 3; ++a) {
+    const double x = p.at[Eigen::Index(a)];
+    power[a] = {1, x, x * x + own};
+  }
+  for (size_t k = 0; k < 3; ++k)
+    for (size_t j = 0; j < 3; ++j)
+      for (size_t i = 0; i < 3; ++i) m.of[9 * k + 3 * j + i] += p.volume_mm3 * power[0][i] * power[1][j] * power[2][k];
+}
+
 void CellMoments::add_point(const Vec3& at, double volume) {
   const double x[3] = {1, at[0], at[0] * at[0]}, y[3] = {1, at[1], at[1] * at[1]}, z[3] = {1, at[2], at[2] * at[2]};
   for (size_t k = 0; k < 3; ++k)
@@ -235,10 +247,27 @@ std::vector<LayerPoint> CellCutter::points(const CellSamples& samples) const {
   visit(
       samples,
       [&](int layer, size_t b) {
-        out.push_back({layer, box_[b].volume_mm3(), box_[b].centre()});
+        out.push_back({layer, box_[b].volume_mm3(), box_[b].centre(), size_t(layer)});
       },
       [&](int layer, const Tet& t, double volume) {
-        out.push_back({layer, volume, 0.25 * (t.v[0].x + t.v[1].x + t.v[2].x + t.v[3].x)});
+        out.push_back({layer, volume, 0.25 * (t.v[0].x + t.v[1].x + t.v[2].x + t.v[3].x), size_t(layer)});
+      });
+  return out;
+}
+
+std::vector<LayerPoint> CellCutter::fine_points(const CellSamples& samples) const {
+  constexpr double edge = 0.5 / kSplit;
+  std::vector<LayerPoint> out;
+  visit(
+      samples,
+      [&](int layer, size_t b) {
+        for (int q = 0; q < 8; ++q)
+          out.push_back({layer, box_[b].volume_mm3() / 8,
+                         box_[b].centre() + 0.5 * edge * Vec3(q & 1 ? 1 : -1, q & 2 ? 1 : -1, q & 4 ? 1 : -1),
+                         size_t(layer), edge});
+      },
+      [&](int layer, const Tet& t, double volume) {
+        points_of(t, volume, [&](const Vec3& x, double v) { out.push_back({layer, v, x, size_t(layer)}); });
       });
   return out;
 }

@@ -26,6 +26,8 @@ struct LayerPoint {
   int layer = 0;
   double volume_mm3 = 0;
   Vec3 at = Vec3::Zero();
+  size_t matter = 0;  // what it is made of: the layer, or a region (region_cells.h)
+  double edge = 0;    // of a cube that it stands for, in cell units; 0: none
 };
 
 class CellCutter {
@@ -37,6 +39,8 @@ class CellCutter {
   std::vector<CellMoments> moments(const CellSamples& samples) const;
   /// The same as points: of a box or a piece of it its centroid.
   std::vector<LayerPoint> points(const CellSamples& samples) const;
+  /// The same with the moments of moments(): of a box eight cubes, of a piece four points.
+  std::vector<LayerPoint> fine_points(const CellSamples& samples) const;
 
  private:
   struct Tet;
@@ -48,6 +52,9 @@ class CellCutter {
   std::vector<double> end_mm_;
   std::vector<CellMoments> box_;  // of each box
 };
+
+/// Adds a point of fine_points(), with what the cube has by itself.
+void add_point(CellMoments& m, const LayerPoint& p);
 
 /// The moments as share_cell() takes them.
 LayerMoments layer_moments(const Vec3& cell_mm, const CellMoments& m);

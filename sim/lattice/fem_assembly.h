@@ -6,7 +6,8 @@
 //   Block (flat skin on top): boxes that are the layers themselves, cut by the cell, however thin they are, with 2 x 2
 //   x 2 Gauss points in each; all cells of a row share one stencil. Other bodies: where a layer's border or the skin
 //   may cross the cell, or its corners are held, each layer's moments in it (cut_cells.h, held_cells.h); else one box;
-//   frame at the cell's centre. Cells of one layer without prestretch share its stencil, cut by the surface or not.
+//   frame at the cell's centre. What regions take of a cell (region_cells.h) is theirs in both.
+//   Cells of one layer without prestretch share its stencil, cut by the surface or not.
 //
 // A copy whose corners are not held as its stencil has it (a flap raised from a bed that is no plane of the lattice)
 // takes one that is made for those which are.
@@ -31,8 +32,10 @@ namespace limberg {
 
 struct LayerMatter;
 struct HeldCorners;
+struct StretchFrame;
 struct LayeredCell;
 class CellCutter;
+class RegionCells;
 /// A cell is looked at on the corners of kSplit^3 boxes, x fastest (cut_cells.h).
 inline constexpr int kSplit = 4, kSamples = (kSplit + 1) * (kSplit + 1) * (kSplit + 1);
 using CellSamples = std::array<Skin::Place, kSamples>;
@@ -49,7 +52,11 @@ class StencilTable {
   StencilTable(const Skin& skin, const LatticeGrid& grid);
   ~StencilTable();
   const SharedArray<Stencil>& stencils() const { return stencils_; }
-  const std::vector<LawPtr>& laws() const { return laws_; }               // that points of the stencils name
+  const std::vector<LawPtr>& laws() const { return laws_; }  // that points of the stencils name
+  /// How active each region of the body is, 0 to 1; of one whose law takes no "activation" 0.
+  const std::vector<double>& activation() const { return activation_; }
+  /// laws() are then those of such activity. Nothing else changes: what is active pulls along its fibres only.
+  void activate(const std::vector<double>& activation);
   int32_t of_cell(int32_t cell) const { return of_cell_[size_t(cell)]; }  // -1: the body is nowhere in the cell
   /// The same for a cell of any level; may add to stencils(), so one thread at a time.
   int32_t of_place(const CellPlace& place) const;
@@ -90,12 +97,17 @@ class StencilTable {
   struct Made;  // a stencil, the volume that it stands for, and what it was made from
   Made cut_cell(const CellCutter& cutter, const CellSamples& samples, const HeldCorners& held, const Vec3& centre_mm,
                 const Skin::Place& at_centre) const;
+  Made divided_cell(const CellCutter& cutter, const CellSamples& samples, const HeldCorners& held,
+                    const Vec3& centre_mm, const Skin::Place& at_centre, const StretchFrame& frame) const;
+  bool region_in_block(const LatticeGrid& grid, Int3 at) const;
+  Made block_cell(const LatticeGrid& grid, Int3 at) const;
   int32_t add(Made made) const;
   int32_t intern(Made made) const;
   Made block_row(const LatticeGrid& grid, int32_t z) const;
   Made general_part(const LatticeGrid& grid, Int3 at, int level, uint8_t held = 0xff) const;
-  std::vector<LayerMatter> matter_;  // per layer
+  std::vector<LayerMatter> matter_;  // per layer, then per region
   std::vector<LawPtr> laws_;
+  std::vector<double> activation_;
   mutable SharedArray<Stencil> stencils_;
   std::vector<double> layer_ends_;
   mutable std::vector<double> body_mm3_;  // per stencil
@@ -108,8 +120,11 @@ class StencilTable {
   std::vector<double> held_depth_;  // per node: how far above it; NaN: not asked for yet
   // For parts of cells.
   const Skin* skin_;
+  std::unique_ptr<RegionCells> regions_;    // null: the body has none
+  mutable std::vector<double> region_mm3_;  // what each was found to take of the cells looked at
   LatticeGrid grid_;
   bool is_block_ = false;
+  double top_mm_ = 0;                                          // of a block
   uint8_t fixed_sides_ = 0, sliding_sides_ = 0;                // of a block
   mutable std::map<std::array<int32_t, 4>, int32_t> of_part_;  // level and place (of a block: z alone)
   mutable std::map<std::array<int32_t, 5>, int32_t> of_held_;  // and corners

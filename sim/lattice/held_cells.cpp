@@ -94,12 +94,13 @@ double most_volume_mm3(const Stencil& s, const Vec3& cell_mm, const HeldFunction
 }  // namespace
 
 bool hold_at_surface(Stencil& s, const Vec3& cell_mm, const HeldCorners& corners, const std::vector<LayerPoint>& points,
-                     const std::vector<LayerMatter>& matter, const StretchFrame& frame, double unheld) {
+                     const std::vector<LayerMatter>& matter, const std::vector<StretchFrame>& frames, double unheld) {
   const HeldFunctions functions(cell_mm, corners);
   if (!functions.fits() || s.slide_kPa != 0) return false;
   std::vector<Mat3> A, rest;
-  for (const LayerMatter& m : matter) {
-    A.push_back(m.response.matrix_mu_kPa * prestretch_tensor(m.material, frame));
+  for (size_t i = 0; i < matter.size(); ++i) {
+    const StretchFrame& frame = frames[i];
+    A.push_back(matter[i].response.matrix_mu_kPa * prestretch_tensor(matter[i].material, frame));
     const double p0_kPa = frame.normal.dot(A.back() * frame.normal);  // each layer's own: without prestretch it rests
     rest.push_back(A.back() - p0_kPa * Mat3::Identity());
   }
@@ -107,12 +108,12 @@ bool hold_at_surface(Stencil& s, const Vec3& cell_mm, const HeldCorners& corners
   Gradients mean = Gradients::Zero(), force = Gradients::Zero();
   double volume = 0;
   for (const LayerPoint& p : points) {
-    if (matter[size_t(p.layer)].response.points) return false;
+    if (matter[p.matter].response.points) return false;
     const auto G = functions.gradients(p.at);
     if (!G) continue;
-    const Gradients GA = *G * A[size_t(p.layer)];
+    const Gradients GA = *G * A[p.matter];
     K += p.volume_mm3 * (GA * G->transpose());
-    force += p.volume_mm3 * (*G * rest[size_t(p.layer)]);
+    force += p.volume_mm3 * (*G * rest[p.matter]);
     mean += p.volume_mm3 * *G;
     volume += p.volume_mm3;
   }

@@ -30,8 +30,8 @@ struct HeldCorners {
 };
 
 /// Gives a finished stencil of a cell those functions; false: nothing was done. `unheld`: the share (0..1) of its K as
-/// it was that stays beside the new one, for conditioning.
+/// it was that stays beside the new one, for conditioning. `frames`: of each matter.
 bool hold_at_surface(Stencil& s, const Vec3& cell_mm, const HeldCorners& corners, const std::vector<LayerPoint>& points,
-                     const std::vector<LayerMatter>& matter, const StretchFrame& frame, double unheld);
+                     const std::vector<LayerMatter>& matter, const std::vector<StretchFrame>& frames, double unheld);
 
 }  // namespace limberg

@@ -4,7 +4,7 @@
 #include <map>
 #include <vector>
 
-#include "sim/lattice/stencil_integrals.h"
+#include "sim/lattice/region_cells.h"
 
 namespace limberg {
 
@@ -15,12 +15,17 @@ struct CellDepth {
 };
 
 struct LayeredCell {
-  std::vector<CellMoments> moments;  // per layer of the body, of all of the cell
+  std::vector<CellPart> parts;  // of all of the cell
   StretchFrame frame;
   CellDepth depth;
   /// Stencils of other mixtures, by the layers' shares in steps (copy_layers.h).
   std::map<std::vector<int32_t>, int32_t> mixed;
-  double volume_mm3(size_t layer) const { return moments[layer].volume_mm3(); }
+  double volume_mm3(size_t layer) const {
+    double sum = 0;
+    for (const CellPart& p : parts)
+      if (p.layer == int(layer)) sum += p.moments.volume_mm3();
+    return sum;
+  }
 };
 
 }  // namespace limberg

@@ -20,7 +20,7 @@ struct LayerMatter {
   }
 };
 
-/// Per layer; `laws` gets what they name. InputError as layer_response, with the layer's name.
+/// Per layer, then per region; `laws` gets what they name. InputError as layer_response, with its name.
 std::vector<LayerMatter> layer_matter(const Body& body, std::vector<LawPtr>& laws);
 
 /// Integrals (mm^3) over a part of a cell of x^i y^j z^k, 0 <= i, j, k <= 2, at 9 k + 3 j + i; x, y, z in cell units.

@@ -7,6 +7,7 @@
 #include "sim/base/hash.h"
 #include "sim/lattice/held_cells.h"
 #include "sim/lattice/layered_cell.h"
+#include "sim/lattice/region_cells.h"
 
 namespace limberg {
 namespace {
@@ -14,10 +15,8 @@ namespace {
 void check_layers(const Body& body) {
   auto fail = [&](const std::string& what) { throw InputError(body.name, 0, what); };
   if (body.layers.empty()) fail("the body has no layer; at least one was expected");
-  for (const Layer& l : body.layers) {
-    const Material& m = l.material;
-    const std::string name = "layer '" + l.name + "': ";
-    auto positive = [](double v) { return std::isfinite(v) && v > 0; };
+  auto positive = [](double v) { return std::isfinite(v) && v > 0; };
+  const auto check = [&](const Material& m, const std::string& name) {
     if (!positive(m.young_kPa)) fail(name + "Young's modulus must be above 0 kPa");
     if (!std::isfinite(m.poisson) || m.poisson < 0 || m.poisson >= 0.5)
       fail(name + "Poisson's ratio must be in [0, 0.5)");
@@ -29,15 +28,24 @@ void check_layers(const Body& body) {
     }
     if (!(shares < 1)) fail(name + "the shares of its relaxation must sum to less than 1");
     if (!positive(m.prestretch_along) || !positive(m.prestretch_across)) fail(name + "prestretch must be above 0");
-    if (!positive(l.thickness_mm)) fail(name + "thickness must be above 0 mm");
+  };
+  for (const Layer& l : body.layers) {
+    check(l.material, "layer '" + l.name + "': ");
+    if (!positive(l.thickness_mm)) fail("layer '" + l.name + "': thickness must be above 0 mm");
   }
+  for (const auto& r : body.regions) check(r->material(), "region '" + r->name() + "': ");
+}
+
+double top_of(const Body& body) {
+  double top = -INFINITY;
+  for (const Vec3& X : body.surface.X_mm) top = std::max(top, X.z());
+  return top;
 }
 
 // Whether the only skin is the whole top (greatest z) of a box.
 bool skin_on_top(const Body& body) {
   if (!body.is_box) return false;
-  double top = -INFINITY;
-  for (const Vec3& X : body.surface.X_mm) top = std::max(top, X.z());
+  const double top = top_of(body);
   for (size_t t = 0; t < body.surface.tri.size(); ++t) {
     if (body.surface.tag[t] != SurfaceTag::skin) continue;
     for (int32_t v : body.surface.tri[t])
@@ -125,14 +133,36 @@ StencilTable::StencilTable(const Skin& skin, const LatticeGrid& grid) {
   const Body& body = skin.body();
   check_layers(body);
   matter_ = layer_matter(body, laws_);
+  for (const auto& r : body.regions) activation_.push_back(r->activation().value_or(0));
   layer_ends_ = ends_of_layers(body);
-  skin_ = &skin, grid_ = grid, is_block_ = skin_on_top(body);
+  skin_ = &skin, grid_ = grid, is_block_ = skin_on_top(body), top_mm_ = top_of(body);
+  region_mm3_.assign(body.regions.size(), 0);
+  if (!body.regions.empty()) regions_ = std::make_unique<RegionCells>(skin, layer_ends_);
   of_cell_.assign(size_t(grid.count.x) * size_t(grid.count.y) * size_t(grid.count.z), 0);
   fixed_.assign(size_t(grid.count.x + 1) * size_t(grid.count.y + 1) * size_t(grid.count.z + 1), 0);
   if (is_block_)
     fill_block(body, grid);
   else
     fill_general(skin, grid);
+  for (size_t r = 0; r < body.regions.size(); ++r)
+    if (!(region_mm3_[r] > 0))
+      throw InputError(body.name, 0,
+                       "region '" + body.regions[r]->name() +
+                           "' takes nothing of the tissue; expected a place in it that no later region covers");
+}
+
+void StencilTable::activate(const std::vector<double>& activation) {
+  const Body& body = skin_->body();
+  for (size_t r = 0; r < body.regions.size(); ++r) {
+    if (activation[r] == activation_[r]) continue;
+    LayerMatter& m = matter_[body.layers.size() + r];
+    for (LawSpec::Constant& c : m.material.law.constants)
+      if (c.key == kActivation) c.value = {activation[r]};
+    m.response = layer_response(m.material, body.laws.get());
+    if (m.points_law >= 0) laws_[size_t(m.points_law)] = m.response.points;
+    if (m.whole_law >= 0) laws_[size_t(m.whole_law)] = m.response.whole;
+  }
+  activation_ = activation;
 }
 
 // Samples of neighbouring cells are shared: a layer of cells keeps its upper plane for the next.
@@ -209,23 +239,31 @@ int32_t StencilTable::intern(Made made) const {
   return add(std::move(made));
 }
 
-// Row z of a grid over a block.
-StencilTable::Made StencilTable::block_row(const LatticeGrid& grid, int32_t k) const {
-  const Body& body = skin_->body();
-  const Vec3 h = grid.cell_mm();
+namespace {
+
+StretchFrame frame_of_block(const Body& body) {
   StretchFrame frame;
   Vec3 along = body.tension_direction;
   along.z() = 0;
   if (along.norm() > 1e-9) frame.along = along.normalized();
   frame.across = frame.normal.cross(frame.along);
-  double top = -INFINITY;
-  for (const Vec3& X : body.surface.X_mm) top = std::max(top, X.z());
+  return frame;
+}
+
+}  // namespace
+
+// Row z of a grid over a block.
+StencilTable::Made StencilTable::block_row(const LatticeGrid& grid, int32_t k) const {
+  const Body& body = skin_->body();
+  const Vec3 h = grid.cell_mm();
+  const StretchFrame frame = frame_of_block(body);
+  const double top = top_mm_;
 
   const double low = grid.node_mm({0, 0, k}).z(), high = grid.node_mm({0, 0, k + 1}).z();
   Stencil s;
   std::vector<LayerPart> parts;
   auto layered = std::make_shared<LayeredCell>();
-  layered->moments.resize(body.layers.size()), layered->frame = frame;
+  layered->frame = frame;
   layered->depth.at_centre_mm = top - 0.5 * (low + high);
   double from = -INFINITY;  // depth of the layer's upper side; the first reaches up without end, the last down
   for (size_t l = 0; l < body.layers.size(); ++l) {
@@ -237,7 +275,7 @@ StencilTable::Made StencilTable::block_row(const LatticeGrid& grid, int32_t k) c
       if (b - a > 1e-9) {
         add_box(s, h, {0, 0, a}, {1, 1, b}, matter_[l], frame);
         parts.push_back({&matter_[l], box_moments(h, {0, 0, a}, {1, 1, b})});
-        layered->moments[l] = box_cell_moments(h, {0, 0, a}, {1, 1, b});
+        layered->parts.push_back({int(l), l, frame, box_cell_moments(h, {0, 0, a}, {1, 1, b})});
       }
     }
     from = to;
@@ -248,10 +286,30 @@ StencilTable::Made StencilTable::block_row(const LatticeGrid& grid, int32_t k) c
   return {std::move(s), h.prod(), std::move(layered)};
 }
 
+// Whether a region may take something of a cell of a block.
+bool StencilTable::region_in_block(const LatticeGrid& grid, Int3 at) const {
+  if (!regions_) return false;
+  const Vec3 h = grid.cell_mm(), centre = grid.node_mm(at) + 0.5 * h;
+  return regions_->reach(centre, {INFINITY, top_mm_ - centre.z(), -Vec3::UnitZ()}, 0.5 * h.norm());
+}
+
+// A cell of a block of which regions take a part.
+StencilTable::Made StencilTable::block_cell(const LatticeGrid& grid, Int3 at) const {
+  const Vec3 h = grid.cell_mm(), low = grid.node_mm(at);
+  CellSamples samples;
+  for (int n = 0; n < kSamples; ++n)
+    samples[size_t(n)] = {1e6, top_mm_ - (low + h.cwiseProduct(sample_place(n))).z(), -Vec3::UnitZ()};
+  const Skin::Place centre{1e6, top_mm_ - low.z() - 0.5 * h.z(), -Vec3::UnitZ()};
+  return divided_cell(CellCutter(h, layer_ends_), samples, {}, low + 0.5 * h, centre, frame_of_block(skin_->body()));
+}
+
 void StencilTable::fill_block(const Body& body, const LatticeGrid& grid) {
   std::vector<int32_t> of_row;
   for (int32_t k = 0; k < grid.count.z; ++k) of_row.push_back(intern(block_row(grid, k)));
-  for (size_t c = 0; c < of_cell_.size(); ++c) of_cell_[c] = of_row[size_t(grid.cell_at(int32_t(c)).z)];
+  for (size_t c = 0; c < of_cell_.size(); ++c) {
+    const Int3 at = grid.cell_at(int32_t(c));
+    of_cell_[c] = region_in_block(grid, at) ? intern(block_cell(grid, at)) : of_row[size_t(at.z)];
+  }
 
   // Sides of the box that are fixed, and the planes that stand for them.
   Vec3 lo = body.surface.X_mm[0], hi = lo;
@@ -278,17 +336,34 @@ void StencilTable::fill_block(const Body& body, const LatticeGrid& grid) {
 
 namespace {
 
-// A cell that has these moments of the layers and nothing else, before its layers share it.
-struct OfMoments {
+// A cell that has these parts and nothing else, before they share it.
+struct OfParts {
   Stencil stencil;
-  std::vector<LayerPart> parts;
+  std::vector<LayerMatter> blend;  // of layers that regions take a part of
+  std::vector<LayerPart> shared;   // one per layer: what the layers that lie on each other are made of
   double body_mm3 = 0, spread = 0;
 };
 
-OfMoments of_moments(const Vec3& h, const std::vector<CellMoments>& moments, const std::vector<LayerMatter>& matter,
-                     const StretchFrame& frame) {
-  OfMoments out;
-  for (const CellMoments& m : moments) out.body_mm3 += m.volume_mm3();
+// What lies side by side in a layer, as one: layers slide on each other and bend as plates, neighbours do not.
+LayerMatter blend_of(const std::vector<CellPart>& parts, const std::vector<LayerMatter>& matter, int layer) {
+  LayerMatter out;
+  double volume = 0, most = 0, mu = 0, poisson = 0, along = 0, across = 0;
+  for (const CellPart& p : parts) {
+    if (p.layer != layer) continue;
+    const LayerMatter& m = matter[p.matter];
+    const double V = p.moments.volume_mm3();
+    if (V > most) out = m, most = V;
+    volume += V, mu += V * m.response.matrix_mu_kPa, poisson += V * m.material.poisson;
+    along += V * m.material.prestretch_along, across += V * m.material.prestretch_across;
+  }
+  out.response.matrix_mu_kPa = mu / volume, out.material.poisson = poisson / volume;
+  out.material.prestretch_along = along / volume, out.material.prestretch_across = across / volume;
+  return out;
+}
+
+OfParts of_parts(const Vec3& h, const std::vector<CellPart>& parts, const std::vector<LayerMatter>& matter) {
+  OfParts out;
+  for (const CellPart& p : parts) out.body_mm3 += p.moments.volume_mm3();
   const double whole = h.prod();
   out.spread = spread_of(out.body_mm3 / whole);
   const CellMoments box = box_cell_moments(h, Vec3::Zero(), Vec3::Ones());
@@ -297,17 +372,28 @@ OfMoments of_moments(const Vec3& h, const std::vector<CellMoments>& moments, con
   // product of two coordinates of a piece that lies askew.
   Eigen::Matrix<double, 8, 3> push = Eigen::Matrix<double, 8, 3>::Zero();
   bool all_push = true;
-  for (size_t l = 0; l < moments.size(); ++l) {
-    const double V = moments[l].volume_mm3();
+  std::map<int, std::pair<int, LayerMoments>> of_layer;  // how many parts, and their sum
+  for (const CellPart& p : parts) {
+    const double V = p.moments.volume_mm3();
     if (!(V > 1e-9 * out.body_mm3)) continue;
     CellMoments m = box;
     for (double& x : m.of) x *= out.spread * V / whole;
-    m.add(moments[l], 1 - out.spread);
+    m.add(p.moments, 1 - out.spread);
     const double before = s.p0_kPa;  // times volume, until the stencil is finished
-    add_moments(s, h, m, matter[l], frame);
-    out.parts.push_back({&matter[l], layer_moments(h, m)});
-    push += (s.p0_kPa - before) / m.volume_mm3() * out.parts.back().moments.B;
+    add_moments(s, h, m, matter[p.matter], p.frame);
+    const LayerMoments shared = layer_moments(h, m);
+    push += (s.p0_kPa - before) / m.volume_mm3() * shared.B;
     all_push = all_push && s.p0_kPa > before;
+    auto& [count, sum] = of_layer[p.layer];
+    ++count, sum.add(shared);
+  }
+  out.blend.reserve(of_layer.size());
+  for (const auto& [layer, of] : of_layer) {
+    const LayerMatter* of_one = nullptr;
+    for (const CellPart& p : parts)
+      if (of.first == 1 && p.layer == layer && p.moments.volume_mm3() > 1e-9 * out.body_mm3) of_one = &matter[p.matter];
+    if (!of_one) of_one = &out.blend.emplace_back(blend_of(parts, matter, layer));
+    out.shared.push_back({of_one, of.second});
   }
   if (all_push) s.mean_gradients = std::make_shared<const Eigen::Matrix<double, 8, 3>>(push / s.p0_kPa);
   finish_stencil(s);
@@ -316,31 +402,52 @@ OfMoments of_moments(const Vec3& h, const std::vector<CellMoments>& moments, con
 
 }  // namespace
 
-// Of a cell that the surface or a layer's border crosses.
+// Of a cell that the surface, a layer's border or a region's crosses.
 StencilTable::Made StencilTable::cut_cell(const CellCutter& cutter, const CellSamples& samples, const HeldCorners& held,
                                           const Vec3& centre, const Skin::Place& at_centre) const {
-  const Vec3 h = cutter.cell_mm();
   const Skin::Frame f = skin_->frame(centre);
-  const StretchFrame frame{f.along, f.across, f.normal};
-  std::vector<CellMoments> moments = cutter.moments(samples);
+  return divided_cell(cutter, samples, held, centre, at_centre, {f.along, f.across, f.normal});
+}
+
+StencilTable::Made StencilTable::divided_cell(const CellCutter& cutter, const CellSamples& samples,
+                                              const HeldCorners& held, const Vec3& centre, const Skin::Place& at_centre,
+                                              const StretchFrame& frame) const {
+  const Vec3 h = cutter.cell_mm();
+  const bool in_region = regions_ && regions_->reach(centre, at_centre, 0.5 * h.norm());
+  std::vector<StretchFrame> frames(matter_.size(), frame);
+  std::vector<LayerPoint> points;
+  std::vector<CellPart> parts;
+  if (in_region) {
+    frames = regions_->frames(centre, frame);
+    points = regions_->points(centre - 0.5 * h, h, samples);
+    parts = parts_of(points, frames);
+    for (const CellPart& p : parts)
+      if (p.matter >= matter_.size() - region_mm3_.size())
+        region_mm3_[p.matter - (matter_.size() - region_mm3_.size())] += p.moments.volume_mm3();
+  } else {
+    const std::vector<CellMoments> moments = cutter.moments(samples);
+    for (size_t l = 0; l < moments.size(); ++l) parts.push_back({int(l), l, frame, moments[l]});
+  }
   double volume = 0;
-  for (const CellMoments& m : moments) volume += m.volume_mm3();
+  for (const CellPart& p : parts) volume += p.moments.volume_mm3();
   if (volume < kSliver * h.prod()) {
+    const int layer = skin_->layer_at(std::max(at_centre.depth_mm, 0.0));
+    const size_t of = in_region ? regions_->matter(centre, at_centre, layer) : size_t(layer);
     Stencil s;
-    add_box(s, h, Vec3::Zero(), Vec3::Ones(), matter_[size_t(skin_->layer_at(std::max(at_centre.depth_mm, 0.0)))],
-            frame);
+    add_box(s, h, Vec3::Zero(), Vec3::Ones(), matter_[of], frames[of]);
     finish_stencil(s);
     return {std::move(s), h.prod(), nullptr};
   }
-  OfMoments made = of_moments(h, moments, matter_, frame);
+  OfParts made = of_parts(h, parts, matter_);
   Stencil& s = made.stencil;
-  if (held.held && hold_at_surface(s, h, held, cutter.points(samples), matter_, frame, made.spread))
+  if (held.held &&
+      hold_at_surface(s, h, held, in_region ? points : cutter.points(samples), matter_, frames, made.spread))
     return {std::move(s), volume, nullptr, held.held};
-  share_cell(s, h, made.parts, frame, made.spread > 0);
+  share_cell(s, h, made.shared, frame, made.spread > 0);
   std::shared_ptr<LayeredCell> layered;
-  if (made.parts.size() > 1) {
+  if (made.shared.size() > 1) {
     layered = std::make_shared<LayeredCell>();
-    layered->moments = std::move(moments), layered->frame = frame;
+    layered->parts = std::move(parts), layered->frame = frame;
     layered->depth = {at_centre.depth_mm, at_centre.down};
   }
   return {std::move(s), volume, std::move(layered)};
@@ -351,15 +458,20 @@ int32_t StencilTable::mixed(int32_t stencil, const std::vector<int32_t>& steps) 
   const auto [it, is_new] = cell.mixed.try_emplace(steps, -1);
   if (!is_new) return it->second;
   double volume = 0, sum = 0;
-  for (const CellMoments& m : cell.moments) volume += m.volume_mm3();
+  for (const CellPart& p : cell.parts) volume += p.moments.volume_mm3();
   for (const int32_t n : steps) sum += n;
-  std::vector<CellMoments> moments(cell.moments.size());
-  for (size_t l = 0; l < moments.size(); ++l)
-    if (steps[l] > 0) moments[l].add(cell.moments[l], volume * steps[l] / sum / cell.moments[l].volume_mm3());
+  std::vector<CellPart> parts;
+  for (const CellPart& p : cell.parts) {
+    const int32_t n = steps[size_t(p.layer)];
+    if (n <= 0) continue;
+    CellPart& part = parts.emplace_back(p);
+    part.moments = {};
+    part.moments.add(p.moments, volume * n / sum / cell.volume_mm3(size_t(p.layer)));
+  }
   const uint8_t level = std::as_const(stencils_)[size_t(stencil)].level;
   const Vec3 h = cell_size_mm(grid_.cell_mm(), level);
-  OfMoments made = of_moments(h, moments, matter_, cell.frame);
-  share_cell(made.stencil, h, made.parts, cell.frame, made.spread > 0);
+  OfParts made = of_parts(h, parts, matter_);
+  share_cell(made.stencil, h, made.shared, cell.frame, made.spread > 0);
   made.stencil.level = level;
   return it->second = intern({std::move(made.stencil), body_mm3(stencil), nullptr});
 }
@@ -393,8 +505,10 @@ void StencilTable::fill_general(const Skin& skin, const LatticeGrid& grid) {
     bool stretched = false;
     for (int l = upper; l <= lower; ++l) stretched = stretched || matter_[size_t(l)].directed();
     const HeldCorners held = held_corners(at);
-    const bool cut = place.inside_mm < reach;
-    if (upper == lower && !stretched && !held.held) {
+    const bool cut = place.inside_mm < reach, in_region = regions_ && regions_->reach(centre, place, reach);
+    if (in_region) {
+      of_cell_[c] = add(cut_cell(cutter, sampler.of(at), held, centre, place));
+    } else if (upper == lower && !stretched && !held.held) {
       int32_t& one = whole[size_t(upper)];
       if (one < 0) {
         Stencil s;
@@ -487,8 +601,9 @@ StencilTable::Made StencilTable::general_part(const LatticeGrid& grid, Int3 at, 
   const int upper = skin_->layer_at(place.depth_mm - reach), lower = skin_->layer_at(place.depth_mm + reach);
   const bool stretched = upper != lower || matter_[size_t(upper)].directed();
   const HeldCorners held = held_part(grid, at, level, corners);
+  const bool in_region = regions_ && regions_->reach(centre, place, reach);
   Made made{{}, h.prod(), nullptr};
-  if (upper == lower && !held.held && (!stretched || !(place.inside_mm < reach))) {
+  if (!in_region && upper == lower && !held.held && (!stretched || !(place.inside_mm < reach))) {
     StretchFrame frame;
     if (stretched) {
       const Skin::Frame f = skin_->frame(centre);
@@ -498,7 +613,7 @@ StencilTable::Made StencilTable::general_part(const LatticeGrid& grid, Int3 at, 
     finish_stencil(made.stencil);
   } else {
     CellSamples samples;
-    if (held.held && upper == lower && !(std::abs(place.depth_mm) < reach))
+    if (held.held && !in_region && upper == lower && !(std::abs(place.depth_mm) < reach))
       samples = above_held(held, place);
     else
       for (int n = 0; n < kSamples; ++n) samples[size_t(n)] = skin_->place(low + h.cwiseProduct(sample_place(n)), near);
@@ -509,11 +624,14 @@ StencilTable::Made StencilTable::general_part(const LatticeGrid& grid, Int3 at, 
 
 int32_t StencilTable::of_place(const CellPlace& place) const {
   if (place.level == 0) return of_cell(grid_.cell_index(place.at));
-  const std::array<int32_t, 4> key{place.level, is_block_ ? 0 : place.at.x, is_block_ ? 0 : place.at.y, place.at.z};
+  const LatticeGrid grid = grid_.at_level(place.level);
+  const bool of_row = is_block_ && !region_in_block(grid, place.at);
+  const std::array<int32_t, 4> key{place.level, of_row ? -1 : place.at.x, of_row ? -1 : place.at.y, place.at.z};
   const auto [it, is_new] = of_part_.try_emplace(key, -1);
   if (is_new) {
-    const LatticeGrid grid = grid_.at_level(place.level);
-    Made made = is_block_ ? block_row(grid, place.at.z) : general_part(grid, place.at, place.level);
+    Made made = of_row      ? block_row(grid, place.at.z)
+                : is_block_ ? block_cell(grid, place.at)
+                            : general_part(grid, place.at, place.level);
     made.stencil.level = uint8_t(place.level);
     it->second = intern(std::move(made));
   }

@@ -90,17 +90,19 @@ void add_part(Stencil& s, double volume, const Vec3& centre, const Mat3& second,
 
 std::vector<LayerMatter> layer_matter(const Body& body, std::vector<LawPtr>& laws) {
   std::vector<LayerMatter> out;
-  for (const Layer& l : body.layers) {
+  const auto add = [&](const Material& material, const std::string& of) {
     LayerMatter& m = out.emplace_back();
-    m.material = l.material;
+    m.material = material;
     try {
-      m.response = layer_response(l.material, body.laws.get());
+      m.response = layer_response(material, body.laws.get());
     } catch (const InputError& e) {
-      throw InputError(body.name, 0, "layer '" + l.name + "': " + e.what());
+      throw InputError(body.name, 0, of + ": " + e.what());
     }
     if (m.response.points) m.points_law = int32_t(laws.size()), laws.push_back(m.response.points);
-    if (!l.material.prony.empty()) m.whole_law = int32_t(laws.size()), laws.push_back(m.response.whole);
-  }
+    if (!material.prony.empty()) m.whole_law = int32_t(laws.size()), laws.push_back(m.response.whole);
+  };
+  for (const Layer& l : body.layers) add(l.material, "layer '" + l.name + "'");
+  for (const auto& r : body.regions) add(r->material(), "region '" + r->name() + "'");
   return out;
 }
 

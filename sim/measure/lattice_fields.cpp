@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/body/skin.h"
+#include "sim/lattice/region_cells.h"
 #include "sim/patient/soft_tissue.h"
 #include "sim/patient/tension_field.h"
 
@@ -62,6 +62,7 @@ LatticeFields lattice_fields(const SoftTissue& tissue) {
   out.X_mm.reserve(u.size());
   for (size_t n = 0; n < m.X_mm.size(); ++n) out.X_mm.push_back(m.X_mm[n].cast<float>());
   Bvh::Closest near;
+  Skin::Near of_region;
   for (size_t c = 0; c < m.cells.size(); ++c) {
     const HexCell& cell = m.cells[c];
     if (!(cell.scale > 0)) continue;
@@ -74,7 +75,8 @@ LatticeFields lattice_fields(const SoftTissue& tissue) {
     const Vec3 centre = X.colwise().mean().transpose();
     const int layer = skin.layer_at(skin.depth_mm(centre, near));
     const Mat3 F = solver.cell_F(int32_t(c));
-    const Mat3 F0 = prestretch_gradient(skin.body().layers[size_t(layer)].material, skin.frame(centre));
+    const MatterAt of = matter_at(skin, centre, layer, of_region);
+    const Mat3 F0 = prestretch_gradient(*of.material, {of.frame.normal, of.frame.along, of.frame.across});
     const Mat3 virial = (X + moved).transpose() * cell_forces(m, s, X, moved);
     const double J = (Mat3::Identity() + moved.transpose() * volume_gradients(s, m.cell_mm)).determinant();
     // A cell that is inside out has a negative volume, and no stress that means anything: it is told as it comes.
@@ -84,7 +86,7 @@ LatticeFields lattice_fields(const SoftTissue& tissue) {
     out.stress_kPa.push_back({float(sigma(0, 0)), float(sigma(1, 1)), float(sigma(2, 2)), float(sigma(0, 1)),
                               float(sigma(1, 2)), float(sigma(0, 2))});
     out.pressure_kPa.push_back(float(-sigma.trace() / 3));
-    out.material.push_back(layer);
+    out.material.push_back(int32_t(of.matter));
     out.fraction.push_back(cell.scale);
     out.piece.push_back(lattice && c < lattice->cells.size() ? lattice->cells[c].piece : 0);
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 
 #include "sim/geometry/polyline.h"
 #include "sim/geometry/triangle.h"
@@ -194,6 +195,31 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
   };
   std::vector<std::pair<double, double>> looks;
   for (const Rim& r : rim) looks.push_back(look(r));
+  // A short stretch of edge between edges that are apposed looks wherever a crumpled triangle turns it. What its
+  // neighbours look at is no farther from it than from them and the way to them.
+  constexpr double kStretch_mm = 1;
+  std::vector<size_t> along(rim.size());
+  std::iota(along.begin(), along.end(), size_t(0));
+  std::sort(along.begin(), along.end(),
+            [&](size_t i, size_t j) { return std::pair(rim[i].loop, rim[i].s) < std::pair(rim[j].loop, rim[j].s); });
+  const auto apposed = [&](size_t k) { return looks[along[k]].first <= kOpen_mm; };
+  std::vector<double> known(rim.size(), kFar_mm);
+  for (size_t k = 0; k < along.size(); ++k) {
+    if (apposed(k)) continue;
+    size_t end = k;
+    double length = 0;
+    for (; end < along.size() && rim[along[end]].loop == rim[along[k]].loop && !apposed(end); ++end)
+      length += rim[along[end]].length;
+    const bool between = k > 0 && rim[along[k - 1]].loop == rim[along[k]].loop && end < along.size() &&
+                         rim[along[end]].loop == rim[along[k]].loop;
+    for (size_t i = k; between && length <= kStretch_mm && i < end; ++i)
+      for (const size_t j : {along[k - 1], along[end]}) {
+        const Rim &r = rim[along[i]], &o = rim[j];
+        known[along[i]] = std::min(known[along[i]], looks[j].first + 0.5 * (o.p + o.q - r.p - r.q).norm());
+      }
+    k = end - 1;
+  }
+  for (size_t i = 0; i < rim.size(); ++i) looks[i].first = std::min(looks[i].first, known[i]);
   // A piece that nothing holds, and that lies at no other, was taken out: it may lie anywhere.
   std::map<int32_t, double> nearest;
   for (size_t i = 0; i < rim.size(); ++i) {

@@ -36,7 +36,8 @@ std::vector<Vec3> rim_mm(const SurfaceView& view);
 /// (banks that lie over one another). Own rim within 3 mm along the edge counts only where the
 /// edge has turned back, as round the end of a cut; what lay behind its skin within 3 mm at rest,
 /// as the other side of a flap's tip, does not. A piece that nothing holds, and that comes
-/// no nearer than 2 mm to another edge, was taken out and does not count.
+/// no nearer than 2 mm to another edge, was taken out and does not count. A stretch of up to 1 mm between edges that
+/// are apposed is no farther from the other bank than these, and the way to them.
 struct WoundGape {
   double gape_mm = 0;        // which 95 % of the rim do not exceed
   double mean_mm = 0;        // over the length of the rim

@@ -31,7 +31,8 @@ struct SurfaceTopology {
   // Of a scene with a head; empty where there is none. Bone and face are of the kind `free` in the view.
   SharedArray<Organ> organ;     // per view triangle; empty: all of it is flesh
   SharedArray<int32_t> object;  // per view triangle: of bone, the number of its fragment; else -1
-  // Per view vertex: its own colour, sRGB, and how much of it is seen; empty: surfaces look as their organ does.
+  // Per view vertex: its own colour, sRGB, and how much of it is seen; empty: surfaces look as their organ does, and so
+  // does flesh in which no region has a colour.
   std::vector<std::array<uint8_t, 4>> rgba;
   std::vector<std::array<int32_t, 2>> strand;  // edges of the tissue between face and bone, by view vertices
   std::vector<std::string> landmark;           // names; their places are in the snapshot

@@ -60,6 +60,8 @@ Acted<TissueChange> SoftTissue::carry_out_act(const Command& command) {
                             std::is_same_v<Act, ExcisePiece> || std::is_same_v<Act, CutThrough>;
     if constexpr (std::is_same_v<Act, InSpace>) {
       return act_in_space(c);
+    } else if constexpr (std::is_same_v<Act, Activate>) {
+      return activate(c);
     } else if constexpr (is_hook) {
       Acted<TissueChange> made = hooks_.act(c);
       made.ends_redo = made.done && !std::is_same_v<Act, MoveHook>;
@@ -83,6 +85,30 @@ Acted<TissueChange> SoftTissue::carry_out_act(const Command& command) {
     }
   };
   return std::visit(holds, command);
+}
+
+Acted<TissueChange> SoftTissue::activate(const Activate& c) {
+  const auto& regions = tissue_.body().regions;
+  std::string muscles;
+  for (size_t r = 0; r < regions.size(); ++r) {
+    if (!regions[r]->activation()) continue;
+    if (regions[r]->name() != c.region) {
+      muscles += (muscles.empty() ? "" : ", ") + regions[r]->name();
+      continue;
+    }
+    TissueChange change;
+    change.before = moment();
+    std::vector<double> activation = tissue_.version().activation;
+    activation[r] = c.level;
+    tissue_.activate(std::move(activation));
+    publish_holding();
+    contacts_.resume(change.before.contacts);
+    another_act();
+    return {{true, {}}, std::move(change)};
+  }
+  return {false,
+          "the patient has no muscle \"" + c.region + "\"; expected " +
+              (muscles.empty() ? "a scene with a [[region]] whose law has \"activation\"" : "one of " + muscles)};
 }
 
 void SoftTissue::take_back(TissueChange& change) {

@@ -96,6 +96,7 @@ class SoftTissue {
   Acted<TissueChange> cut(const Excise&);
   Acted<TissueChange> cut(const ExcisePiece&);
   Acted<TissueChange> cut(const CutThrough&);
+  Acted<TissueChange> activate(const Activate&);
   /// The same act where its places lie (act_in_space.cpp).
   Acted<TissueChange> act_in_space(const InSpace&);
   /// What of the stroke that is being drawn can be cut by now; refused: nothing has changed.

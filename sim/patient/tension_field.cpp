@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/lattice/region_cells.h"
+
 namespace limberg {
 
 Mat3 prestretch_gradient(const Material& material, const Skin::Frame& frame) {
@@ -13,12 +15,12 @@ Mat3 prestretch_gradient(const Material& material, const Skin::Frame& frame) {
 }
 
 TensionField::TensionField(const SurfaceTopology& topology, const Skin& skin) {
-  const Body& body = *topology.body;
   const SharedArray<float>& depth = topology.depth_mm.get();
+  Skin::Near near;
   prestretch_.resize(topology.view.X_mm.size());
   for (size_t v = 0; v < prestretch_.size(); ++v) {
-    const Material& material = body.layers[size_t(skin.layer_at(depth[v]))].material;
-    prestretch_[v] = prestretch_gradient(material, skin.frame(topology.view.X_mm[v]));
+    const MatterAt of = matter_at(skin, topology.view.X_mm[v], skin.layer_at(depth[v]), near);
+    prestretch_[v] = prestretch_gradient(*of.material, {of.frame.normal, of.frame.along, of.frame.across});
   }
 }
 

@@ -9,6 +9,7 @@
 #include "sim/lattice/embedding.h"
 #include "sim/lattice/grid_fit.h"
 #include "sim/lattice/region.h"
+#include "sim/patient/region_colours.h"
 #include "sim/patient/skin_patch.h"
 
 namespace limberg {
@@ -42,6 +43,7 @@ Tissue::Tissue(WorldSpec spec, Workers& workers)
   const Grading grading = grading_of(spec_, *skin_);
   const LatticeGrid grid = fit_lattice(*body_, spec_.cell_mm, front_levels > 0 || !grading.empty() ? kLevels : 0);
   stencils_ = std::make_unique<StencilTable>(*skin_, grid);
+  version_.activation = stencils_->activation();
   version_.lattice = build_topology(grid, material_surface(*arrangement_), front_levels, grading);
   version_.model = hold_outside(assemble_fem(*stencils_, *version_.lattice), *body_, spec_.region_mm);
   make_surface(version_, draw_surface());
@@ -162,8 +164,22 @@ void Tissue::hold_at(const std::function<Vec3(const Vec3&)>& where) {
   if (other) solver_->set_displacement_mm(u);
 }
 
+void Tissue::activate(std::vector<double> activation) {
+  stencils_->activate(activation);
+  auto model = std::make_shared<FemModel>(*version_.model);
+  model->laws = stencils_->laws();
+  model->parent = ParentList::identity(model->X_mm.size());
+  model->born.clear();
+  version_.model = model, version_.activation = std::move(activation);
+  solver_->set_model(version_.model, ParentList::identity(model->cells.size()));
+}
+
 void Tissue::return_to(const TissueVersion& version, ParentList parent) {
-  if (version.lattice == version_.lattice) return;
+  if (version.lattice == version_.lattice) {
+    if (version.activation != version_.activation) activate(version.activation);
+    return;
+  }
+  stencils_->activate(version.activation);
   version_ = version;
   // The same surface under a new number: readers take versions to grow.
   auto surface = std::make_shared<SurfaceTopology>(*version.surface);
@@ -206,6 +222,7 @@ void Tissue::make_surface(TissueVersion& next, Drawn drawn) {
   } else {
     surface->embedding = embed_surface(*next.lattice, material, view);
   }
+  surface->rgba = region_colours(*skin_, view, version_.surface.get());
   next.index = drawn.index;
   next.on_skin = drawn.on_skin;
   Hash64 h;  // a few numbers that another state hardly shares; topology_hash() tells all

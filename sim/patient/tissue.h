@@ -71,6 +71,8 @@ class Tissue {
 
   /// Every node goes to where(its place at rest) in the components that are held; the rest stays until the next step.
   void hold_at(const std::function<Vec3(const Vec3& X_mm)>& where);
+  /// How active each region of the body is from now on (lattice/fem_assembly.h); shapes, nodes and cells stay.
+  void activate(std::vector<double> activation);
   /// Goes back or forth to a version that was there. `parent`: per node of its model, the node of the present one (-1:
   /// none).
   void return_to(const TissueVersion& version, ParentList parent);

@@ -197,6 +197,7 @@ Outcome TissueCut::follow() {
 Outcome TissueCut::build() {
   Tissue& t = tissue_;
   next_ = {};
+  next_.activation = tissue_.version_.activation;
   Tissue::Drawn drawn;
   const EarlierModel before{*t.version_.lattice, *t.version_.model};
   const std::shared_ptr<Workers::Job> drawing = t.workers_.submit([&] { drawn = t.draw_surface(); });

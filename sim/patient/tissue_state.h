@@ -23,7 +23,8 @@ struct TissueVersion {
   std::shared_ptr<const FemModel> model;
   std::shared_ptr<const SurfaceTopology> surface;
   std::shared_ptr<const RestIndex> index;
-  SharedArray<uint8_t> on_skin;  // point_depths.h
+  SharedArray<uint8_t> on_skin;    // point_depths.h
+  std::vector<double> activation;  // per region of the body; of what is no muscle 0
   uint64_t arrangement_hash = 0;
 };
 
@@ -148,12 +149,13 @@ void fields(const ContactMemory& m, V&& v) {
 /// The model and the index follow from lattice and surface; the number of the surface's version grows with undo, too.
 template <class V>
 void fields(const TissueVersion& t, V&& v) {
-  const auto& [lattice, model, surface, index, on_skin, arrangement_hash] = t;
+  const auto& [lattice, model, surface, index, on_skin, activation, arrangement_hash] = t;
   v(lattice->hash(), arrangement_hash, std::vector<uint8_t>(on_skin.begin(), on_skin.end()));
   for (const Vec3& X : surface->view.X_mm) v(X);
   for (const Tri& tri : surface->view.tri) v(tri);
   for (const EmbeddedPoint& e : surface->embedding) v(e);
   for (const float d : surface->depth_mm.get()) v(d);
+  if (!activation.empty()) v(activation);
 }
 template <class V>
 void fields(const TissueMoment& m, V&& v) {

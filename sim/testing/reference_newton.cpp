@@ -246,7 +246,8 @@ struct ReferenceElasticity::Impl {
   void analyze() {
     if (symbolic) return;
     build_pattern();
-    const fem::ScalarFactor scalar = fem::factorize(graph, {});
+    InlineWorkers workers;
+    const fem::ScalarFactor scalar = fem::factorize(graph, workers);
     std::vector<int32_t> order;
     for (int32_t n : scalar.node_order)
       for (int k = 0; k < 3; ++k) order.push_back(3 * graph.row_of_node[size_t(n)] + k);

@@ -55,6 +55,30 @@ TEST_F(CliImport, CollidersAreCarriedOrLeftOutInWords) {
   EXPECT_EQ(run("check " + path("out/flap.toml")).status, 0);
 }
 
+// Tissue that the peer weighs otherwise is a region of its own, so many times as stiff; what cannot be used is said.
+TEST_F(CliImport, VolumesOfOtherTissueAreRegions) {
+  std::string scene = F::scene();
+  scene.insert(scene.find("\"minStrain\""), "\"lowTetWeight\":500,");
+  scene.insert(scene.rfind("\"fixedCollisionSets\""),
+               R"("tetrahedralSubsets":{"cartilage.obj":{"lowTetWeight":4000},"septum.obj":{"lowTetWeight":250},)"
+               R"("blank.obj":{}},)");
+  file("models/SLAB.smd", scene);
+  const std::string solid = "v 1 1 .3\nv 2 1 .3\nv 1 2 .3\nv 1 1 .9\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+  file("models/cartilage.obj", solid), file("models/blank.obj", solid);
+  const std::string history = file("flap.hst", flap_over_defect());
+  const Outcome o = run(call(history));
+  ASSERT_EQ(o.status, 0) << o.err;
+  const std::string toml = slurp(path("out/flap.toml")), page = slurp(path("out/flap.html"));
+  EXPECT_NE(toml.find("name = \"cartilage\"\nvolume = \"flap-region-1.obj\"\nyoung_kPa = 120\n"), std::string::npos)
+      << toml;
+  EXPECT_NE(slurp(path("out/flap-region-1.obj")).find("v 20.00000 10.00000 3.00000"), std::string::npos);
+  EXPECT_NE(page.find("septum.obj&#39; is as soft as the rest: it is not there"), std::string::npos);
+  EXPECT_NE(page.find("blank.obj&#39; is as soft as the rest: it has no weight"), std::string::npos);
+  const Outcome checked = run("check " + path("out/flap.toml"));
+  EXPECT_NE(checked.out.find("region      cartilage, 120 kPa"), std::string::npos) << checked.out;
+  EXPECT_NE(run("operate " + path("out/flap.toml") + " " + path("out/flap.jsonl") + " --cell-mm 4").status, 2);
+}
+
 TEST_F(CliImport, AnOperationIsCheckedAndRunsWithNothingRefused) {
   const std::string history = file("flap.hst", flap_over_defect());
   const Outcome o = run(call(history));

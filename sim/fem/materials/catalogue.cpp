@@ -9,6 +9,7 @@
 #include "sim/base/error.h"
 #include "sim/fem/materials/fibres.h"
 #include "sim/fem/materials/isotropic.h"
+#include "sim/fem/materials/muscle.h"
 
 namespace limberg {
 namespace {
@@ -81,6 +82,13 @@ LayerLaw skin_fibres(const LawCatalogue::Values& v) {
           dispersed_fibres({v.number("k1_kPa"), v.number("k2"), v.number("kappa")}, std::move(families)), 1};
 }
 
+LayerLaw muscle_fibres(const LawCatalogue::Values& v) {
+  std::vector<LawPtr> parts{dispersed_fibres({v.number("k1_kPa"), v.number("k2"), 0}, {{Vec3::UnitX()}})};
+  if (const double pull = v.number("active_kPa"), activation = v.number("activation"); pull * activation > 0)
+    parts.push_back(active_fibres(pull, activation, Vec3::UnitX()));
+  return {v.number("mu_kPa"), parts.size() == 1 ? parts[0] : sum_of(std::move(parts)), 1};
+}
+
 LayerLaw ogden_terms(const LawCatalogue::Values& v) {
   const std::vector<double> mu = v.list("mu_kPa"), alpha = v.list("alpha");
   if (mu.size() != alpha.size())
@@ -108,6 +116,16 @@ LawCatalogue make_shipped() {
           {"kappa", 0, 1.0 / 3},
           {"fibre_angle_deg", 0, 90, false, false, 0}},
          skin_fibres});
+  c.add({"muscle",
+         "matrix mu/2 (|F|^2 - 3) and fibres along the direction: passive k1/(2 k2)(exp(k2 E^2) - 1) that only pull "
+         "(Holzapfel, Gasser, Ogden 2000), and activation times active_kPa (1 - ((l - 1)/.56)^2) at a length l (van "
+         "Soest, Bobbert 1993)",
+         {mu,
+          {"k1_kPa", 0, stiffest, true},
+          {"k2", 0, 1e3, true},
+          {"active_kPa", 0, 1e4, false, false, 0},
+          {"activation", 0, 1, false, false, 0}},
+         muscle_fibres});
   c.add({"ogden",
          "sum mu_p/alpha_p (s1^alpha_p + s2^alpha_p + s3^alpha_p - 3); shear modulus sum mu_p alpha_p / 2 (Ogden 1972)",
          {{"mu_kPa", -stiffest, stiffest, false, true, 0, 6}, {"alpha", -100, 100, false, true, 0, 6}},

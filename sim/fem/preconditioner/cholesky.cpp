@@ -53,6 +53,7 @@ std::vector<int32_t> nested_dissection(const ScalarMatrix& A, Workers& workers) 
 }
 
 SupernodalShape analyze(const ScalarMatrix& A, std::span<const int32_t> order) {
+  if (order.size() != size_t(A.n())) throw std::invalid_argument("the order of elimination has not one entry per row");
   std::vector<int32_t> given(order.begin(), order.end());
   Analysis analysis;
   cholmod_common& common = analysis.common;

@@ -104,6 +104,27 @@ TEST(WoundGape, AStretchBetweenStitchesIsSeenWhere95PercentAreNot) {
   EXPECT_EQ(wound_gape(v, deformed(v, [](const Vec3& X) { return X; })).open_mm, 0);
 }
 
+// A crumpled triangle has no way across its edge. What its neighbours look at is looked at from there too, unless the
+// bit is as long as an eye would see.
+TEST(WoundGape, AShortStretchThatLooksElsewhereIsAsFarAsItsNeighbours) {
+  for (const double edge_mm : {0.25, 1.0}) {
+    SurfaceView v = two_banks(40);
+    for (size_t i = 0; i < v.X_mm.size(); ++i) {
+      Vec3 X = v.X_mm[i];
+      X.y() *= edge_mm;
+      v.X_mm.set(i, X);
+    }
+    auto x = deformed(v, [](const Vec3& X) { return X; });
+    for (size_t i = x.size() / 2; i < x.size(); ++i) x[i].x() += 1.7f;
+    EXPECT_EQ(wound_gape(v, x).open_mm, 0);
+    x[3 * 20 + 1].x() -= 0.8f;  // a point of the edge draws back, and the skin behind it has no area left
+    for (const size_t k : {19, 20, 21}) x[3 * k] = x[3 * k + 1];
+    const WoundGape g = wound_gape(v, x);
+    EXPECT_EQ(g.lost_mm > 0, edge_mm == 1) << edge_mm;
+    EXPECT_LT(g.widest_mm, 1.7 + 0.8 + edge_mm);
+  }
+}
+
 // A cut of 20 mm with both its ends, closed and opened as a lens: round them one sees the other bank of the same edge.
 TEST(WoundGape, RoundTheEndsOfACutTheOtherBankIsSeen) {
   SurfaceView v = two_banks(20);

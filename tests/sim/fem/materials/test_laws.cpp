@@ -10,6 +10,7 @@
 #include "sim/base/error.h"
 #include "sim/fem/materials/fibres.h"
 #include "sim/fem/materials/isotropic.h"
+#include "sim/fem/materials/muscle.h"
 
 namespace limberg {
 namespace test_laws {
@@ -35,7 +36,8 @@ std::vector<Named> laws() {
           {"StVK", st_venant_kirchhoff(20)},
           {"StVK full", st_venant_kirchhoff_full(20, 60)},
           {"fibres", fibres, false},
-          {"fibres in a matrix", sum_of({neo_hookean(20), fibres}), false}};
+          {"fibres in a matrix", sum_of({neo_hookean(20), fibres}), false},
+          {"active fibres", active_fibres(100, 0.4, {c, s, 0.3}), false}};
 }
 
 Mat3 random_matrix(Random& r, double size) {

@@ -1,0 +1,124 @@
+#include "app/scene/scene_regions.h"
+
+#include <filesystem>
+
+#include "app/scene/scene_layers.h"
+#include "sim/geometry/polyline.h"
+
+namespace limberg {
+namespace {
+
+constexpr size_t kMostRegions = 64, kMostPoints = 1000;
+constexpr const char* kPlaces = "expected one of volume, path_mm, outline, paint";
+
+/// A list of points of `size` numbers each.
+std::vector<Vec3> points_of(Table& t, const char* key, size_t size, size_t least) {
+  std::vector<Vec3> out;
+  const toml::node* n = t.node(key);
+  if (!n) return out;
+  const std::string expected = "; expected a list of " + std::to_string(least) + " to " + std::to_string(kMostPoints) +
+                               (size == 2 ? " places [x, y] in mm" : " points [x, y, z] in mm");
+  const toml::array* a = n->as_array();
+  if (!a || a->size() < least || a->size() > kMostPoints) t.fail(key, "is no such list" + expected);
+  for (const toml::node& e : *a) {
+    const toml::array* p = e.as_array();
+    Vec3 point = Vec3::Zero();
+    for (size_t i = 0; i < size; ++i) {
+      const std::optional<double> v =
+          p && p->size() == size && p->get(i)->is_number() ? p->get(i)->value<double>() : std::nullopt;
+      if (!v || !(std::abs(*v) <= 1e4)) t.fail(key, "holds something that is no point" + expected);
+      point[Eigen::Index(i)] = *v;
+    }
+    out.push_back(point);
+  }
+  return out;
+}
+
+void read_place(Table& t, const std::string& file, const Scene& s, RegionSpec& r) {
+  int given = 0;
+  for (const char* key : {"volume", "path_mm", "outline", "paint"}) given += t.has(key);
+  if (given != 1)
+    t.fail("name",
+           std::string(given ? "is said to be in several places at once; " : "is said to be nowhere; ") + kPlaces);
+  if (t.has("volume")) {
+    t.text("volume", r.volume, 4000);
+    namespace fs = std::filesystem;
+    if (!fs::path(r.volume).is_absolute())
+      r.volume = (fs::path(file).parent_path() / r.volume).lexically_normal().string();
+    t.real("scale_to_mm", r.scale_to_mm, 0, 1e6, true);
+  }
+  r.path_mm = points_of(t, "path_mm", 3, 1);
+  if (!r.path_mm.empty()) {
+    if (!t.has("radius_mm")) t.fail("radius_mm", "is missing; expected the radius of the bundle about path_mm");
+    t.real("radius_mm", r.radius_mm, 0, 500, true);
+  }
+  for (const Vec3& p : points_of(t, "outline", 2, 3)) r.outline_mm.push_back(p.head<2>());
+  if (t.has("outline") && !(std::abs(signed_area(r.outline_mm)) > 1e-6))
+    t.fail("outline", "holds no area; expected a polygon, in mm on the chart");
+  if (t.has("paint")) {
+    if (s.source != Scene::Source::obj)
+      t.fail("paint", "names a material of an OBJ, and the body is a block; expected outline");
+    t.text("paint", r.paint, 200);
+  }
+  if (t.has("outline") || t.has("paint")) {
+    std::vector<double> depth;
+    t.numbers("depth_mm", depth, 0, 1000, false, 2);
+    if (depth.size() == 1 || (depth.size() == 2 && !(depth[0] < depth[1])))
+      t.fail("depth_mm", "is no range; expected [from, to], mm below the skin");
+    if (depth.size() == 2) r.from_mm = depth[0], r.to_mm = depth[1];
+  }
+  if (t.has("direction")) t.direction("direction", r.direction.emplace(Vec3::UnitX()));
+}
+
+/// A muscle that the scene does not say to be active is at rest, and can be activated.
+void rest_at_first(Material& m, const LawCatalogue& laws) {
+  const LawCatalogue::Entry* law = laws.find(m.law.name);
+  const auto is_activation = [](const auto& c) { return c.key == kActivation; };
+  if (!law || std::none_of(law->constants.begin(), law->constants.end(), is_activation)) return;
+  if (std::none_of(m.law.constants.begin(), m.law.constants.end(), is_activation))
+    m.law.constants.push_back({kActivation, {0}});
+}
+
+}  // namespace
+
+void read_regions(const toml::table& root, const std::string& file, Scene& s,
+                  const std::function<const TissueLibrary&(Table&)>& library) {
+  const toml::node* n = root.get("region");
+  if (!n) return;
+  const auto fail = [&](const toml::node& at, const std::string& what) {
+    throw InputError(file, int(at.source().begin.line), "region " + what);
+  };
+  const toml::array* all = n->as_array();
+  if (!all || all->empty() || all->size() > kMostRegions)
+    fail(*n, "is no list of 1 to " + std::to_string(kMostRegions) + " tables; expected [[region]] with name");
+  for (const toml::node& e : *all) {
+    if (!e.is_table()) fail(e, "holds something else than tables; expected [[region]] with name");
+    Table t(e.as_table(), "region", file);
+    RegionSpec r;
+    r.material = unknown_material();
+    if (const NamedTissue* tissue = named_tissue(t, library))
+      r.material = tissue->material, r.material.tissue = tissue->name;
+    if (!t.has("name")) t.fail("name", "is missing; expected what the region is called");
+    t.text("name", r.name, 40);
+    for (const RegionSpec& other : s.regions)
+      if (other.name == r.name) t.fail("name", "is that of another region; expected one of its own");
+    read_place(t, file, s, r);
+    t.colour("colour", r.colour);
+    read_material(t, r.material, *s.laws);
+    rest_at_first(r.material, *s.laws);
+    t.finish();
+    s.region_line.push_back(int(e.source().begin.line));
+    s.regions.push_back(std::move(r));
+  }
+}
+
+void add_regions(const Scene& scene, Body& body) {
+  for (size_t i = 0; i < scene.regions.size(); ++i) try {
+      body.regions.push_back(std::make_shared<Region>(scene.regions[i], body));
+    } catch (const InputError& e) {
+      if (!e.file().empty()) throw;
+      throw InputError(scene.path, scene.region_line[i], e.what());
+    }
+}
+
+}  // namespace limberg
