@@ -188,6 +188,19 @@ void add_scenes(py::module_& m) {
           },
           "From the skin down: list of dicts with name, thickness_mm, young_kPa, poisson, "
           "density_kg_m3, prestretch_along, prestretch_across, law, constants, tissue.")
+      .def_property_readonly(
+          "regions",
+          [](const PyScene& s) {
+            py::list out;
+            for (const RegionSpec& r : s.scene.regions) {
+              py::dict d = dict_of(r.material);
+              d["name"] = r.name;
+              out.append(d);
+            }
+            return out;
+          },
+          "Tissue of its own within the layers (muscle, cartilage, a scar): list of dicts as of layers, without "
+          "thickness_mm. Later ones lie over earlier ones.")
       .def("__repr__", [](const PyScene& s) { return "<limberg.Scene " + s.scene.name + ">"; });
   m.def(
       "open_scene",

@@ -2,8 +2,8 @@
 // What regions (body/region.h) take of a cell: the parts of its layers that are theirs.
 //
 // Points of the layers in the cell (cut_cells.h) go to the last region that holds them. The depths between which a
-// region lies part them as the layers' borders do, exactly. Beside its other borders, within half a spacing of the points, a
-// point goes to both in proportion, so that what a region takes changes evenly with its place.
+// region lies part them as the layers' borders do, exactly. Beside its other borders, within half a spacing of the
+// points, a point goes to both in proportion, so that what a region takes changes evenly with its place.
 #include <span>
 #include <vector>
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 
 #include "render/colour_map.h"
 #include "render/image_compare.h"
@@ -153,6 +154,39 @@ TEST_F(Rendered, AFaceHasItsOwnColours) {
       if ((id.at(x, y) >> 24) == uint32_t(Part::face)) ++seen, blue += im.at(x, y).b > 1.2 * im.at(x, y).r;
   EXPECT_GT(seen, 500);
   EXPECT_GT(blue, 0.9 * seen);
+}
+
+// Half of a slab with a wound is a region of its own colour: its skin and its wall, and nothing of the other half.
+TEST_F(Rendered, SkinAndWallHaveTheColoursOfARegion) {
+  Snapshot s = sample_snapshot({.sutures = 0, .hooks = 0});
+  auto top = std::make_shared<SurfaceTopology>(*s.topology);
+  top->version += 1;
+  top->rgba.assign(top->view.X_mm.size(), {});
+  for (size_t v = 0; v < top->rgba.size(); ++v)
+    if (std::as_const(top->view.X_mm)[v].x() > 0) top->rgba[v] = {30, 60, 230, 230};
+  s.topology = top;
+  const Image im = draw(s);
+  const IdImage id = ids(s);
+  std::map<std::pair<Part, bool>, std::pair<int, int>> blue;  // of how many
+  for (int y = 0; y < im.height; ++y)
+    for (int x = 0; x < im.width; ++x) {
+      const Part part = Part(id.at(x, y) >> 24);
+      if (part != Part::skin && part != Part::wall) continue;
+      const Tri& t = std::as_const(top->view.tri)[id.at(x, y) & 0xffffff];
+      const double a = std::as_const(top->view.X_mm)[size_t(t[0])].x(),
+                   b = std::as_const(top->view.X_mm)[size_t(t[1])].x(),
+                   c = std::as_const(top->view.X_mm)[size_t(t[2])].x();
+      if (std::min({a, b, c}) <= 0 && std::max({a, b, c}) > 0) continue;
+      auto& [found, all] = blue[{part, a > 0}];
+      ++all, found += im.at(x, y).b > 1.1 * im.at(x, y).r;
+    }
+  for (const Part part : {Part::skin, Part::wall}) {
+    SCOPED_TRACE(int(part));
+    EXPECT_GT((blue[{part, true}].second), 200);
+    EXPECT_GT((blue[{part, true}].first), 0.8 * (blue[{part, true}].second));
+    EXPECT_GT((blue[{part, false}].second), 200);
+    EXPECT_LT((blue[{part, false}].first), 0.02 * (blue[{part, false}].second));
+  }
 }
 
 TEST_F(Rendered, PickedPixelHasTheTriangleThatLiesThere) {
