@@ -11,17 +11,8 @@ constexpr size_t kMostColliders = 16;
 
 void read_colliders(const toml::table& root, const std::string& file, Scene& s) {
   namespace fs = std::filesystem;
-  const toml::node* n = root.get("collider");
-  if (!n) return;
-  const auto fail = [&](const toml::node& at, const std::string& what) {
-    throw InputError(file, int(at.source().begin.line), "collider " + what);
-  };
-  const toml::array* all = n->as_array();
-  if (!all || all->empty() || all->size() > kMostColliders)
-    fail(*n, "is no list of 1 to " + std::to_string(kMostColliders) + " tables; expected [[collider]] with mesh");
-  for (const toml::node& e : *all) {
-    if (!e.is_table()) fail(e, "holds something else than tables; expected [[collider]] with mesh");
-    Table one(e.as_table(), "collider", file);
+  for (const toml::node* e : list_of_tables(root, "collider", file, kMostColliders, "mesh")) {
+    Table one(e->as_table(), "collider", file);
     if (!one.has("mesh")) one.fail("mesh", "is missing; expected the path of an OBJ file");
     ColliderSpec c;
     one.text("mesh", c.path, 4000);

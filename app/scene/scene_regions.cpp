@@ -83,17 +83,8 @@ void rest_at_first(Material& m, const LawCatalogue& laws) {
 
 void read_regions(const toml::table& root, const std::string& file, Scene& s,
                   const std::function<const TissueLibrary&(Table&)>& library) {
-  const toml::node* n = root.get("region");
-  if (!n) return;
-  const auto fail = [&](const toml::node& at, const std::string& what) {
-    throw InputError(file, int(at.source().begin.line), "region " + what);
-  };
-  const toml::array* all = n->as_array();
-  if (!all || all->empty() || all->size() > kMostRegions)
-    fail(*n, "is no list of 1 to " + std::to_string(kMostRegions) + " tables; expected [[region]] with name");
-  for (const toml::node& e : *all) {
-    if (!e.is_table()) fail(e, "holds something else than tables; expected [[region]] with name");
-    Table t(e.as_table(), "region", file);
+  for (const toml::node* e : list_of_tables(root, "region", file, kMostRegions, "name")) {
+    Table t(e->as_table(), "region", file);
     RegionSpec r;
     r.material = unknown_material();
     if (const NamedTissue* tissue = named_tissue(t, library))
@@ -107,7 +98,7 @@ void read_regions(const toml::table& root, const std::string& file, Scene& s,
     read_material(t, r.material, *s.laws);
     rest_at_first(r.material, *s.laws);
     t.finish();
-    s.region_line.push_back(int(e.source().begin.line));
+    s.region_line.push_back(int(e->source().begin.line));
     s.regions.push_back(std::move(r));
   }
 }

@@ -214,6 +214,24 @@ inline Table section(const toml::table& root, const char* key, const std::string
   return Table(n ? n->as_table() : nullptr, key, file);
 }
 
+/// The tables of a list [[KEY]], of which there may be so many; `with`: what each of them has, for messages.
+inline std::vector<const toml::node*> list_of_tables(const toml::table& root, const std::string& key,
+                                                     const std::string& file, size_t most, const std::string& with) {
+  std::vector<const toml::node*> out;
+  const toml::node* n = root.get(key);
+  if (!n) return out;
+  const auto fail = [&](const toml::node& at, const std::string& what) {
+    throw InputError(file, int(at.source().begin.line), key + " " + what + "; expected [[" + key + "]] with " + with);
+  };
+  const toml::array* all = n->as_array();
+  if (!all || all->empty() || all->size() > most) fail(*n, "is no list of 1 to " + std::to_string(most) + " tables");
+  for (const toml::node& e : *all) {
+    if (!e.is_table()) fail(e, "holds something else than tables");
+    out.push_back(&e);
+  }
+  return out;
+}
+
 /// InputError says "broken TOML; expected WHAT".
 inline toml::table parse_toml(const std::string& text, const std::string& path, const std::string& expected) {
   try {

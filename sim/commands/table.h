@@ -478,7 +478,7 @@ struct Act<Activate> {
   static constexpr const char* example = R"({"action":"activate","region":"orbicularis oris","level":0.5})";
   static void fields(auto& v, auto& c) {
     v(Field::text("region", ScriptLimits::name_bytes, "what the scene calls the muscle"), c.region);
-    v(Field::number("level", 0, 1, "how much of its greatest pull; 0: at rest", Stands::always), c.level);
+    v(Field::number("level", 0, 1, "how much of its greatest pull; 0: at rest"), c.level);
   }
   static std::string words(const Activate& c) { return fmt::format("{} at {:.0f} %", c.region, 100 * c.level); }
   static Deed deed(const Activate& c) { return {c.region + " active at " + rounded_text(100 * c.level, 3) + " %"}; }

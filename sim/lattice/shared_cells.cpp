@@ -73,7 +73,7 @@ LayerMoments box_moments(const Vec3& h, const Vec3& lo, const Vec3& hi) {
 }
 
 void share_cell(Stencil& s, const Vec3& cell_mm, const std::vector<LayerPart>& parts, const StretchFrame& frame,
-                bool cut) {
+                bool cut, bool slides) {
   Mat3 axes;
   axes << frame.along, frame.across, frame.normal;
   double mean = 0, compliance = 0, plate = 0, shape = 0;
@@ -88,7 +88,7 @@ void share_cell(Stencil& s, const Vec3& cell_mm, const std::vector<LayerPart>& p
   double slide = kSlide * (mean - 1 / compliance);
   double body_mm3 = 0;
   for (const LayerPart& p : parts) body_mm3 += p.moments.volume_mm3;
-  const bool shared = parts.size() > 1 && slide >= 1e-6 * mean && body_mm3 >= kFilled * cell_mm.prod();
+  const bool shared = slides && parts.size() > 1 && slide >= 1e-6 * mean && body_mm3 >= kFilled * cell_mm.prod();
   if (!(shared || cut) || !(s.p0_kPa > 0)) return;
   if (!shared) slide = 0;
 

@@ -341,6 +341,7 @@ struct OfParts {
   Stencil stencil;
   std::vector<LayerMatter> blend;  // of layers that regions take a part of
   std::vector<LayerPart> shared;   // one per layer: what the layers that lie on each other are made of
+  bool of_regions = false;         // as far as anything there is theirs
   double body_mm3 = 0, spread = 0;
 };
 
@@ -384,6 +385,7 @@ OfParts of_parts(const Vec3& h, const std::vector<CellPart>& parts, const std::v
     const LayerMoments shared = layer_moments(h, m);
     push += (s.p0_kPa - before) / m.volume_mm3() * shared.B;
     all_push = all_push && s.p0_kPa > before;
+    out.of_regions |= p.matter != size_t(p.layer);
     auto& [count, sum] = of_layer[p.layer];
     ++count, sum.add(shared);
   }
@@ -443,7 +445,7 @@ StencilTable::Made StencilTable::divided_cell(const CellCutter& cutter, const Ce
   if (held.held &&
       hold_at_surface(s, h, held, in_region ? points : cutter.points(samples), matter_, frames, made.spread))
     return {std::move(s), volume, nullptr, held.held};
-  share_cell(s, h, made.shared, frame, made.spread > 0);
+  share_cell(s, h, made.shared, frame, made.spread > 0, !made.of_regions);
   std::shared_ptr<LayeredCell> layered;
   if (made.shared.size() > 1) {
     layered = std::make_shared<LayeredCell>();
@@ -471,7 +473,7 @@ int32_t StencilTable::mixed(int32_t stencil, const std::vector<int32_t>& steps) 
   const uint8_t level = std::as_const(stencils_)[size_t(stencil)].level;
   const Vec3 h = cell_size_mm(grid_.cell_mm(), level);
   OfParts made = of_parts(h, parts, matter_);
-  share_cell(made.stencil, h, made.shared, cell.frame, made.spread > 0);
+  share_cell(made.stencil, h, made.shared, cell.frame, made.spread > 0, !made.of_regions);
   made.stencil.level = level;
   return it->second = intern({std::move(made.stencil), body_mm3(stencil), nullptr});
 }

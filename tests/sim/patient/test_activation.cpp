@@ -7,6 +7,7 @@
 #include "sim/fem/materials/catalogue.h"
 #include "sim/patient/soft_tissue.h"
 #include "sim/patient/world.h"
+#include "tests/sim/lattice/sheet_bodies.h"
 #include "tests/sim/patient/small_block.h"
 
 namespace limberg {
@@ -98,6 +99,31 @@ TEST(Activation, ABarShortensByWhatItsLawSays) {
   ASSERT_TRUE(world.apply(Activate{"bar", 0}).done);
   to_rest(world);
   EXPECT_NEAR(most_along_x_mm(world), 15, 2e-3);
+}
+
+// What carries no tension is at rest, however stiff it is and however it lies in the cells.
+TEST(Regions, AStiffPlateInACurvedBodyMovesNothing) {
+  test::Sheet sheet;
+  sheet.size_mm = 40, sheet.cells = 20;
+  sheet.top = [](double x, double y) { return 16 - (x * x + y * y) / 60; };
+  sheet.bottom = [](double x, double y) { return 6 - (x * x + y * y) / 60; };
+  Body body = test::layered(test::sheet_mesh(sheet), 1.5);
+  RegionSpec plate;
+  plate.name = "plate", plate.material.young_kPa = 3000, plate.material.poisson = 0.45;
+  plate.outline_mm = {{-9, -7}, {8, -6}, {7, 9}, {-6, 8}}, plate.from_mm = 1.2, plate.to_mm = 2.4;
+  body.regions.push_back(std::make_shared<Region>(plate, body));
+  WorldSpec spec;
+  spec.body = std::make_shared<Body>(std::move(body));
+  spec.cell_mm = 4;
+  InlineWorkers workers;
+  World world(spec, workers);
+  to_rest(world);
+  Snapshot s;
+  world.fill(s);
+  double moved = 0;
+  for (size_t v = 0; v < s.x_mm.size(); ++v)
+    moved = std::max(moved, (s.x_mm[v].cast<double>() - s.topology->view.X_mm[v]).norm());
+  EXPECT_LT(moved, 0.02);  // by the sliding of skin on fat alone, without the plate, 0.004
 }
 
 WorldSpec with_bundle(double activation = 0) {
