@@ -234,6 +234,38 @@ class Scripts(unittest.TestCase):
             limberg.procedure("bilobed", limberg.open_scene("rhomboid"), values={"diameter_mm": 1e6})
 
 
+class Muscles(unittest.TestCase):
+    def test_a_muscle_pulls_and_rests(self):
+        text = SMALL + """[[region]]
+name = "bundle"
+law = "muscle"
+mu_kPa = 5
+k1_kPa = 10
+k2 = 1
+active_kPa = 50
+poisson = 0.45
+path_mm = [[-10, 0, -5], [10, 0, -5]]
+radius_mm = 3
+"""
+        scene = limberg.parse_scene(text)
+        self.assertEqual([r["name"] for r in scene.regions], ["bundle"])
+        self.assertEqual(scene.regions[0]["law"], "muscle")
+        world = limberg.World(scene)
+
+        def moved():
+            world.settle()
+            s = world.snapshot()
+            return float(np.abs(s.x_mm - s.X_mm).max())
+
+        rest = moved()
+        world.apply(limberg.activate(region="bundle", level=0.8))
+        self.assertGreater(moved(), rest + 0.3)
+        world.apply(limberg.activate(region="bundle", level=0))
+        self.assertAlmostEqual(moved(), rest, delta=0.01)
+        with self.assertRaises(limberg.Refused):
+            world.apply(limberg.activate(region="nobody", level=1))
+
+
 class Recordings(unittest.TestCase):
     def test_read(self):
         r = limberg.read_recording(str(ROOT / "recordings/rhomboid.lcm"))
