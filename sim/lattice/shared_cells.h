@@ -60,7 +60,7 @@ struct LayerPart {
 };
 /// After finish_stencil. `cut`: the body does not fill the cell; then one layer, too, bends as a plate of its own
 /// thickness. `slides`: sliding counts. It is asked at the cell's centre, which leaves a force at rest where layers lie
-/// askew in the cell: a part of their moduli's difference, little for skin on fat and too much for a plate of cartilage.
+/// askew in the cell: a part of their moduli's difference, little for skin on fat and too much for cartilage.
 void share_cell(Stencil& s, const Vec3& cell_mm, const std::vector<LayerPart>& parts, const StretchFrame& frame,
                 bool cut = false, bool slides = true);
 
