@@ -1,6 +1,7 @@
 #include "sim/contact/collider_contacts.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -118,25 +119,32 @@ double ColliderContacts::farthest_mm(std::span<const Vec3f> u) {
   return std::sqrt(double(most));
 }
 
-bool ColliderContacts::follow(std::span<const Vec3f> u) {
-  bool changed = resumed_;
+bool ColliderContacts::follow_place(size_t i, std::span<const Vec3f> u) {
+  State& s = state_[i];
+  if (!s.holds && s.due_mm > travelled_mm_) return false;
+  const Vec3 x = place_[i].X_mm + displacement(place_[i].embedded, u);
+  if (s.holds) {
+    const HeldByCollider& h = s.held;
+    const double apart_mm = h.normal.dot(x) - h.plane_mm;
+    const Vec3 way = x - h.at_mm, slid = way - h.normal.dot(way) * h.normal;
+    const bool still = h.projections > kMostSteps && (h.slid_mm + slid).norm() < constant::neighbourhood_mm;
+    if (still || slid.norm() < constant::slide_mm + std::max(0.0, apart_mm)) return false;
+  }
+  const bool held = s.holds;
+  project(i, x);
+  return held || s.holds;
+}
+
+bool ColliderContacts::follow(std::span<const Vec3f> u, Workers& workers) {
+  std::atomic<bool> changed = resumed_;
   resumed_ = false;
   travelled_mm_ += farthest_mm(u);
-  for (size_t i = 0; i < place_.size(); ++i) {
-    State& s = state_[i];
-    if (!s.holds && s.due_mm > travelled_mm_) continue;
-    const Vec3 x = place_[i].X_mm + displacement(place_[i].embedded, u);
-    if (s.holds) {
-      const HeldByCollider& h = s.held;
-      const double apart_mm = h.normal.dot(x) - h.plane_mm;
-      const Vec3 way = x - h.at_mm, slid = way - h.normal.dot(way) * h.normal;
-      const bool still = h.projections > kMostSteps && (h.slid_mm + slid).norm() < constant::neighbourhood_mm;
-      if (still || slid.norm() < constant::slide_mm + std::max(0.0, apart_mm)) continue;
-    }
-    const bool held = s.holds;
-    project(i, x);
-    changed |= held || s.holds;
-  }
+  constexpr size_t kGrain = 64;
+  workers.parallel_for(place_.size(), kGrain, [&](size_t begin, size_t end) {
+    bool any = false;
+    for (size_t i = begin; i < end; ++i) any |= follow_place(i, u);
+    if (any) changed.store(true, std::memory_order_relaxed);
+  });
   if (!changed) return false;
   contacts_.clear();
   for (size_t i = 0; i < place_.size(); ++i) {

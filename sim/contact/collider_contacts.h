@@ -16,6 +16,7 @@
 #include <span>
 #include <vector>
 
+#include "sim/base/workers.h"
 #include "sim/body/body.h"
 #include "sim/contact/contact_memory.h"
 #include "sim/cutting/arrangement/surface_view.h"
@@ -31,7 +32,7 @@ class ColliderContacts {
                    const FemModel& model);
 
   /// Lets the pairs follow to displacement u (per node of the model). True when they are not what they were.
-  bool follow(std::span<const Vec3f> u);
+  bool follow(std::span<const Vec3f> u, Workers& workers);
   /// Valid until the next follow().
   std::span<const Contact> contacts() const { return contacts_; }
   bool any_near() const { return !contacts_.empty(); }
@@ -54,6 +55,7 @@ class ColliderContacts {
     HeldByCollider held;
     bool holds = false;
   };
+  bool follow_place(size_t i, std::span<const Vec3f> u);  // true: its pair is not what it was
   void project(size_t i, const Vec3& x);
   double farthest_mm(std::span<const Vec3f> u);  // that a node has moved since the last follow()
 

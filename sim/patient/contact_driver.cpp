@@ -78,7 +78,7 @@ bool ContactDriver::follow() {
   const std::span<const Vec3f> u = tissue_.solver().displacement_mm();
   bool changed = fresh;
   if (finder_) changed |= finder_->follow(u, tissue_.workers());
-  if (colliders_) changed |= colliders_->follow(u);
+  if (colliders_) changed |= colliders_->follow(u, tissue_.workers());
   if (!changed) return false;
   if (finder_ && colliders_) {
     both_.assign(finder_->contacts().begin(), finder_->contacts().end());
