@@ -22,10 +22,8 @@ void check_own(const std::string& stem, const Imported& x, bool replace) {
   std::vector<std::string> files;
   for (const char* ending : {".toml", ".obj", ".jsonl", ".html", ".json"}) files.push_back(stem + ending);
   if (!x.texture.empty()) files.push_back((std::filesystem::path(stem).parent_path() / picture_name(x)).string());
-  for (size_t i = 0; i < x.colliders.size(); ++i)
-    files.push_back((std::filesystem::path(stem).parent_path() / (collider_name(x, i) + ".obj")).string());
-  for (size_t i = 0; i < x.volumes.size(); ++i)
-    files.push_back((std::filesystem::path(stem).parent_path() / (volume_name(x, i) + ".obj")).string());
+  for (const auto& [name, solid] : solid_files(x))
+    files.push_back((std::filesystem::path(stem).parent_path() / name).string());
   for (const std::string& file : files) {
     check_writable(file);
     if (std::error_code ec; !replace && std::filesystem::exists(file, ec))
@@ -42,12 +40,8 @@ int import(const ImportSettings& s, bool replace, const Words& w) {
   const std::string script = script_text(x), scene_text = scene_toml(x);
   parse_script(script, stem + ".jsonl");
   write_whole_file(stem + ".obj", surface_obj(x));
-  for (size_t i = 0; i < x.colliders.size(); ++i)
-    write_whole_file((std::filesystem::path(s.out) / (collider_name(x, i) + ".obj")).string(),
-                     collider_obj(*x.colliders[i]));
-  for (size_t i = 0; i < x.volumes.size(); ++i)
-    write_whole_file((std::filesystem::path(s.out) / (volume_name(x, i) + ".obj")).string(),
-                     collider_obj(*x.volumes[i].solid));
+  for (const auto& [name, solid] : solid_files(x))
+    write_whole_file((std::filesystem::path(s.out) / name).string(), collider_obj(*solid));
   if (!x.texture.empty()) write_whole_file((std::filesystem::path(s.out) / picture_name(x)).string(), x.texture);
   write_whole_file(stem + ".toml", scene_text);
   build_body(parse_scene(scene_text, stem + ".toml"));

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <numeric>
 
 #include "render/image.h"
 #include "sim/base/error.h"
@@ -65,9 +64,7 @@ double largest_coordinate_span(const std::string& obj, const std::string& file, 
 /// places out, and lets all others through.)
 std::string why_not_outside(const Collider& c, const TriMesh& tissue) {
   constexpr double kDeep_mm = 1, kMost = 0.1;  // collider_contacts.h leaves what lies deeper where it is
-  std::vector<int32_t> all(c.mesh.tri.size());
-  std::iota(all.begin(), all.end(), 0);
-  const SidedPatch patch(c.mesh, all);
+  const SidedPatch patch(c.mesh);
   Vec3 low = c.mesh.X_mm[0], high = low;
   for (const Vec3& X : c.mesh.X_mm) low = low.cwiseMin(X), high = high.cwiseMax(X);
   size_t near = 0, deep = 0;

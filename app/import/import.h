@@ -60,6 +60,8 @@ std::string collider_obj(const Collider& c);
 std::string picture_name(const Imported& x);
 std::string collider_name(const Imported& x, size_t i);
 std::string volume_name(const Imported& x, size_t i);
+/// Of every collider and volume the name of its file and its surface.
+std::vector<std::pair<std::string, std::shared_ptr<const Collider>>> solid_files(const Imported& x);
 std::string script_text(const Imported& x);
 std::string import_page(const Imported& x, const Words& w = {});
 std::string import_json(const Imported& x);

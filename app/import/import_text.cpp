@@ -122,6 +122,13 @@ std::string picture_name(const Imported& x) {
 std::string volume_name(const Imported& x, size_t i) { return fmt::format("{}-region-{}", x.name, i + 1); }
 std::string collider_name(const Imported& x, size_t i) { return fmt::format("{}-collider-{}", x.name, i + 1); }
 
+std::vector<std::pair<std::string, std::shared_ptr<const Collider>>> solid_files(const Imported& x) {
+  std::vector<std::pair<std::string, std::shared_ptr<const Collider>>> out;
+  for (size_t i = 0; i < x.colliders.size(); ++i) out.emplace_back(collider_name(x, i) + ".obj", x.colliders[i]);
+  for (size_t i = 0; i < x.volumes.size(); ++i) out.emplace_back(volume_name(x, i) + ".obj", x.volumes[i].solid);
+  return out;
+}
+
 std::string collider_obj(const Collider& c) {
   std::string t = fmt::format("# {} in mm\n", file_name(c.name));
   for (size_t v = 0; v < c.mesh.X_mm.size(); ++v) {

@@ -81,16 +81,9 @@ void read_body(Table t, Scene& s, const std::string& file) {
   } else if (source == "obj") {
     s.source = Scene::Source::obj;
     s.obj.tension_direction = tension;
-    std::string mesh;
     if (!t.has("mesh")) t.fail("mesh", "is missing; expected the path of an OBJ file");
-    t.text("mesh", mesh, 4000);
-    s.obj.path =
-        fs::path(mesh).is_absolute() ? mesh : (fs::path(file).parent_path() / mesh).lexically_normal().string();
-    if (t.has("texture")) {
-      t.text("texture", s.texture, 4000);
-      if (!fs::path(s.texture).is_absolute())
-        s.texture = (fs::path(file).parent_path() / s.texture).lexically_normal().string();
-    }
+    t.path("mesh", s.obj.path);
+    if (t.has("texture")) t.path("texture", s.texture);
     t.real("scale_to_mm", s.obj.scale_to_mm, 0, 1e6, true);
     read_tags(t, s);
     t.direction("deep_direction", s.obj.deep_direction);

@@ -104,10 +104,6 @@ std::optional<Eigen::Isometry3d> read_isometry(Table& t, const toml::table& head
   return m;
 }
 
-std::string beside(const std::string& file, const std::string& name) {
-  return fs::path(name).is_absolute() ? name : (fs::path(file).parent_path() / name).lexically_normal().string();
-}
-
 }  // namespace
 
 std::optional<HeadScene> read_head(const toml::table& root, const std::string& file) {
@@ -145,7 +141,7 @@ std::optional<HeadScene> read_head(const toml::table& root, const std::string& f
       h.axes = axes == "lps" ? simplex::Axes::left_posterior_superior : simplex::Axes::right_forwards_up;
     }
     if (t.has("face") && table.get("face")->is_string())
-      t.text("face", h.face_file, 4000), h.face_file = beside(file, h.face_file);
+      t.path("face", h.face_file);
     else
       h.face = false;
   } else {

@@ -1,7 +1,5 @@
 #include "app/scene/scene_regions.h"
 
-#include <filesystem>
-
 #include "app/scene/scene_layers.h"
 #include "sim/geometry/polyline.h"
 
@@ -34,17 +32,14 @@ std::vector<Vec3> points_of(Table& t, const char* key, size_t size, size_t least
   return out;
 }
 
-void read_place(Table& t, const std::string& file, const Scene& s, RegionSpec& r) {
+void read_place(Table& t, const Scene& s, RegionSpec& r) {
   int given = 0;
   for (const char* key : {"volume", "path_mm", "outline", "paint"}) given += t.has(key);
   if (given != 1)
     t.fail("name",
            std::string(given ? "is said to be in several places at once; " : "is said to be nowhere; ") + kPlaces);
   if (t.has("volume")) {
-    t.text("volume", r.volume, 4000);
-    namespace fs = std::filesystem;
-    if (!fs::path(r.volume).is_absolute())
-      r.volume = (fs::path(file).parent_path() / r.volume).lexically_normal().string();
+    t.path("volume", r.volume);
     t.real("scale_to_mm", r.scale_to_mm, 0, 1e6, true);
   }
   r.path_mm = points_of(t, "path_mm", 3, 1);
@@ -93,7 +88,7 @@ void read_regions(const toml::table& root, const std::string& file, Scene& s,
     t.text("name", r.name, 40);
     for (const RegionSpec& other : s.regions)
       if (other.name == r.name) t.fail("name", "is that of another region; expected one of its own");
-    read_place(t, file, s, r);
+    read_place(t, s, r);
     t.colour("colour", r.colour);
     read_material(t, r.material, *s.laws);
     rest_at_first(r.material, *s.laws);

@@ -2,6 +2,7 @@
 // One table of a TOML file, read strictly: scenes and libraries of tissues. Heavy: include it from .cpp files only.
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <initializer_list>
 #include <optional>
@@ -20,6 +21,12 @@ inline std::string number(double v) {
   std::ostringstream s;
   s << v;
   return s.str();
+}
+
+/// A file that another one names, whose path is relative to that one's folder.
+inline std::string beside(const std::string& file, const std::string& name) {
+  namespace fs = std::filesystem;
+  return fs::path(name).is_absolute() ? name : (fs::path(file).parent_path() / name).lexically_normal().string();
 }
 
 /// Every key that is asked for is ticked off; finish() complains about the others. All complaints are InputErrors with
@@ -149,6 +156,11 @@ class Table {
     if (value.empty() || value.size() > max_bytes)
       fail(key, "is empty or too long; expected 1 to " + std::to_string(max_bytes) + " bytes");
     if (value.find('\0') != std::string::npos) fail(key, "holds a zero byte; expected plain text");
+  }
+  /// The path of a file, relative to the one that is read.
+  void path(const char* key, std::string& value) {
+    text(key, value, 4000);
+    if (has(key)) value = beside(file_, value);
   }
   void vector(const char* key, Vec3& value, double limit) {
     const toml::node* n = take(key);

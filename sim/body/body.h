@@ -33,7 +33,7 @@ struct Body {
   std::vector<std::shared_ptr<const Collider>> colliders;  // what it lies against
   std::vector<std::shared_ptr<const Region>> regions;      // tissue of its own, later ones over earlier ones
   std::vector<std::string> paints;                         // materials that an OBJ names
-  std::vector<int32_t> paint_of;                           // per triangle of the surface, of those; -1: none
+  std::vector<int32_t> paint_of;  // per triangle of the surface its material in `paints`; -1: none
   Vec3 tension_direction = Vec3::UnitX();
   Vec3 box_min_mm = Vec3::Zero(), box_max_mm = Vec3::Zero();
   bool is_box = false;  // an axis-aligned block: the lattice is fitted to it exactly

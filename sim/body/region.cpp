@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "sim/base/error.h"
 #include "sim/base/quoted.h"
@@ -11,12 +10,6 @@
 
 namespace limberg {
 namespace {
-
-std::vector<int32_t> all_of(const TriMesh& m) {
-  std::vector<int32_t> all(m.tri.size());
-  std::iota(all.begin(), all.end(), 0);
-  return all;
-}
 
 size_t nearest_segment(const std::vector<Vec3>& path, const Vec3& X, double& distance) {
   size_t best = 0;
@@ -35,8 +28,7 @@ double inside_outline(const std::vector<ChartPoint>& outline, const ChartPoint& 
 
 }  // namespace
 
-Region::Region(RegionSpec spec, const Body& body)
-    : spec_(std::move(spec)), chart_normal_(body.chart_normal()), chart_(body.chart()) {
+Region::Region(RegionSpec spec, const Body& body) : spec_(std::move(spec)), chart_(body.chart()) {
   if (!spec_.volume.empty()) {
     ColliderSpec file;
     file.path = spec_.volume, file.scale_to_mm = spec_.scale_to_mm, file.what = "region";
@@ -54,7 +46,7 @@ Region::Region(RegionSpec spec, const Body& body)
                            limberg::quoted(spec_.paint) + " in its file");
   }
   if (!(spec_.from_mm > 0)) spec_.from_mm = -INFINITY;  // up to the skin, which ends it anyway
-  if (!mesh_.tri.empty()) patch_ = SidedPatch(mesh_, all_of(mesh_));
+  if (!mesh_.tri.empty()) patch_ = SidedPatch(mesh_);
 }
 
 std::optional<double> Region::activation() const {
@@ -73,11 +65,18 @@ double Region::inside_beside_mm(const Vec3& X, const Below& below) const {
     return spec_.radius_mm - distance;
   }
   if (!spec_.outline_mm.empty()) {
-    if (below.down.dot(chart_normal_) > 0) return -far_mm;  // on a closed body the chart's lines meet the far side too
+    if (below.down.dot(chart_.normal()) > 0)
+      return -far_mm;  // on a closed body the chart's lines meet the far side too
     return inside_outline(spec_.outline_mm, chart_.to_chart(X));
   }
   const double beside = std::abs(patch_.depth_mm(X, near)) - std::abs(below.depth_mm);
   return beside > 1e-6 ? -beside : far_mm;
+}
+
+std::optional<size_t> region_at(const Body& body, const Vec3& X, const Region::Below& below) {
+  for (size_t r = body.regions.size(); r-- > 0;)
+    if (body.regions[r]->inside_mm(X, below) > 0) return r;
+  return std::nullopt;
 }
 
 std::optional<Vec3> Region::direction(const Vec3& X) const {

@@ -44,6 +44,8 @@ class Region {
   /// `body`: with its surface, chart and paints. Throws InputError: a volume that cannot be read or is open, a paint
   /// that no face is of.
   Region(RegionSpec spec, const Body& body);
+  Region(const Region&) = delete;  // its patch knows its mesh
+  Region& operator=(const Region&) = delete;
 
   const std::string& name() const { return spec_.name; }
   const Material& material() const { return spec_.material; }
@@ -75,10 +77,12 @@ class Region {
 
  private:
   RegionSpec spec_;
-  Vec3 chart_normal_ = Vec3::UnitZ();
   Chart chart_;
   TriMesh mesh_;  // of the volume, or the faces that are painted
   SidedPatch patch_;
 };
+
+/// Which of the body's regions has a place: of several the last.
+std::optional<size_t> region_at(const Body& body, const Vec3& X_mm, const Region::Below& below);
 
 }  // namespace limberg

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 #include "sim/geometry/triangle.h"
@@ -11,11 +10,10 @@
 namespace limberg {
 Skin::Skin(std::shared_ptr<const Body> body) : body_(std::move(body)) {
   const TriMesh& m = body_->surface;
-  std::vector<int32_t> all(m.tri.size()), skin;
-  std::iota(all.begin(), all.end(), 0);
-  for (int32_t t : all)
+  std::vector<int32_t> skin;
+  for (int32_t t = 0; t < int32_t(m.tri.size()); ++t)
     if (m.tag.empty() || m.tag[size_t(t)] == SurfaceTag::skin) skin.push_back(t);
-  surface_ = SidedPatch(m, all);
+  surface_ = SidedPatch(m);
   any_ = !skin.empty();
   if (any_) skin_ = SidedPatch(m, skin);
   for (int32_t t : skin) {

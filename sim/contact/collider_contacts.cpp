@@ -4,7 +4,6 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "sim/base/elementary.h"
 #include "sim/contact/contact_constants.h"
@@ -61,11 +60,7 @@ Vec3 displacement(const EmbeddedPoint& e, std::span<const Vec3f> u) {
 ColliderContacts::ColliderContacts(std::shared_ptr<const Body> body, const SurfaceView& view,
                                    std::span<const EmbeddedPoint> embedding, const FemModel& model)
     : body_(std::move(body)) {
-  for (const auto& c : body_->colliders) {
-    std::vector<int32_t> all(c->mesh.tri.size());
-    std::iota(all.begin(), all.end(), 0);
-    patch_.emplace_back(c->mesh, all);
-  }
+  for (const auto& c : body_->colliders) patch_.emplace_back(c->mesh);
   if (patch_.empty()) return;
   std::vector<double> area(view.X_mm.size(), 0);  // of the free surface that each vertex stands for
   for (size_t t = 0; t < view.tri.size(); ++t) {

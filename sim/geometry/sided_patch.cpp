@@ -14,6 +14,12 @@ Vec3 face_normal(const TriMesh& m, int32_t t) {
   return area_vector2(m.X_mm[size_t(c[0])], m.X_mm[size_t(c[1])], m.X_mm[size_t(c[2])]).normalized();
 }
 
+SidedPatch::SidedPatch(const TriMesh& mesh) {
+  std::vector<int32_t> all(mesh.tri.size());
+  std::iota(all.begin(), all.end(), 0);
+  *this = SidedPatch(mesh, all);
+}
+
 SidedPatch::SidedPatch(const TriMesh& mesh, std::span<const int32_t> of) : mesh_(&mesh), bvh_(mesh.X_mm, mesh.tri, of) {
   const TriMesh& m = mesh;
   corner_normal_.assign(m.X_mm.size(), Vec3::Zero());

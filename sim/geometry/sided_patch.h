@@ -16,6 +16,8 @@ class SidedPatch {
   /// Over the triangles listed in `of` (indices into mesh.tri; not empty), whose normals point outwards. The mesh must
   /// outlive the patch.
   SidedPatch(const TriMesh& mesh, std::span<const int32_t> of);
+  /// Over all of them.
+  explicit SidedPatch(const TriMesh& mesh);
 
   bool empty() const { return bvh_.empty(); }
   const Bvh& bvh() const { return bvh_; }

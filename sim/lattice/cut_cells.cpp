@@ -135,20 +135,10 @@ void CellMoments::add(const CellMoments& o, double factor) {
   for (size_t n = 0; n < 27; ++n) of[n] += factor * o.of[n];
 }
 
-void add_point(CellMoments& m, const LayerPoint& p) {
-  const double own = p.edge * p.edge / 12;
-  std::array<std::array<double, 3>, 3> power{};
-  for (size_t a = 0; a < 3; ++a) {
-    const double x = p.at[Eigen::Index(a)];
-    power[a] = {1, x, x * x + own};
-  }
-  for (size_t k = 0; k < 3; ++k)
-    for (size_t j = 0; j < 3; ++j)
-      for (size_t i = 0; i < 3; ++i) m.of[9 * k + 3 * j + i] += p.volume_mm3 * power[0][i] * power[1][j] * power[2][k];
-}
-
-void CellMoments::add_point(const Vec3& at, double volume) {
-  const double x[3] = {1, at[0], at[0] * at[0]}, y[3] = {1, at[1], at[1] * at[1]}, z[3] = {1, at[2], at[2] * at[2]};
+void CellMoments::add_point(const Vec3& at, double volume, double edge) {
+  const double own = edge * edge / 12;
+  const double x[3] = {1, at[0], at[0] * at[0] + own}, y[3] = {1, at[1], at[1] * at[1] + own},
+               z[3] = {1, at[2], at[2] * at[2] + own};
   for (size_t k = 0; k < 3; ++k)
     for (size_t j = 0; j < 3; ++j) {
       const double w = volume * z[k] * y[j];

@@ -53,9 +53,6 @@ class CellCutter {
   std::vector<CellMoments> box_;  // of each box
 };
 
-/// Adds a point of fine_points(), with what the cube has by itself.
-void add_point(CellMoments& m, const LayerPoint& p);
-
 /// The moments as share_cell() takes them.
 LayerMoments layer_moments(const Vec3& cell_mm, const CellMoments& m);
 

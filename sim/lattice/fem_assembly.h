@@ -99,7 +99,7 @@ class StencilTable {
                 const Skin::Place& at_centre) const;
   Made divided_cell(const CellCutter& cutter, const CellSamples& samples, const HeldCorners& held,
                     const Vec3& centre_mm, const Skin::Place& at_centre, const StretchFrame& frame) const;
-  bool region_in_block(const LatticeGrid& grid, Int3 at) const;
+  bool region_in_block(const CellPlace& place) const;
   Made block_cell(const LatticeGrid& grid, Int3 at) const;
   int32_t add(Made made) const;
   int32_t intern(Made made) const;
@@ -126,7 +126,7 @@ class StencilTable {
   bool is_block_ = false;
   double top_mm_ = 0;                                          // of a block
   uint8_t fixed_sides_ = 0, sliding_sides_ = 0;                // of a block
-  mutable std::map<std::array<int32_t, 4>, int32_t> of_part_;  // level and place (of a block: z alone)
+  mutable std::map<std::array<int32_t, 4>, int32_t> of_part_;  // level and place (of a row of a block: z alone)
   mutable std::map<std::array<int32_t, 5>, int32_t> of_held_;  // and corners
   mutable std::map<std::array<int32_t, 3>, uint8_t> fixed_part_;
 };

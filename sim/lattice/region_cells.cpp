@@ -27,6 +27,19 @@ Region::Below below_at(const CellSamples& samples, const Vec3& at) {
   return out;
 }
 
+// The skin's, or where the region has fibres of its own way: along these, the normal as near to the skin's as can be.
+StretchFrame frame_in(const Region& region, const Vec3& X, const StretchFrame& skin) {
+  const std::optional<Vec3> along = region.direction(X);
+  if (!along) return skin;
+  StretchFrame f;
+  f.along = *along;
+  f.normal = skin.normal - skin.normal.dot(f.along) * f.along;
+  if (f.normal.norm() < 1e-3) f.normal = skin.along - skin.along.dot(f.along) * f.along;  // upright fibres
+  f.normal.normalize();
+  f.across = f.normal.cross(f.along);
+  return f;
+}
+
 }  // namespace
 
 RegionCells::RegionCells(const Skin& skin, std::span<const double> end_mm)
@@ -79,19 +92,14 @@ std::vector<LayerPoint> RegionCells::points(const Vec3& low, const Vec3& h, cons
 }
 
 size_t RegionCells::matter(const Vec3& X, const Skin::Place& place, int layer) const {
-  const auto& regions = skin_.body().regions;
-  for (size_t r = regions.size(); r-- > 0;)
-    if (regions[r]->inside_mm(X, {place.depth_mm, place.down}) > 0) return skin_.body().layers.size() + r;
-  return size_t(layer);
+  const auto region = region_at(skin_.body(), X, {place.depth_mm, place.down});
+  return region ? skin_.body().layers.size() + *region : size_t(layer);
 }
 
 std::vector<StretchFrame> RegionCells::frames(const Vec3& centre, const StretchFrame& skin) const {
   const Body& body = skin_.body();
   std::vector<StretchFrame> out(body.layers.size(), skin);
-  for (const auto& r : body.regions) {
-    const std::optional<Vec3> along = r->direction(centre);
-    out.push_back(along ? frame_along(*along, skin) : skin);
-  }
+  for (const auto& r : body.regions) out.push_back(frame_in(*r, centre, skin));
   return out;
 }
 
@@ -101,7 +109,7 @@ std::vector<CellPart> parts_of(std::span<const LayerPoint> points, std::span<con
   for (const LayerPoint& p : points) {
     const auto [it, is_new] = at.try_emplace({p.layer, p.matter}, out.size());
     if (is_new) out.push_back({p.layer, p.matter, frames[p.matter], {}});
-    add_point(out[it->second].moments, p);
+    out[it->second].moments.add_point(p.at, p.volume_mm3, p.edge);
   }
   return out;
 }
@@ -112,23 +120,10 @@ MatterAt matter_at(const Skin& skin, const Vec3& X, int layer, Skin::Near& near)
   const StretchFrame of_skin{f.along, f.across, f.normal};
   if (!body.regions.empty()) {
     const Skin::Place place = skin.place(X, near);
-    for (size_t r = body.regions.size(); r-- > 0;)
-      if (const Region& region = *body.regions[r]; region.inside_mm(X, {place.depth_mm, place.down}) > 0) {
-        const std::optional<Vec3> along = region.direction(X);
-        return {body.layers.size() + r, &region.material(), along ? frame_along(*along, of_skin) : of_skin};
-      }
+    if (const auto r = region_at(body, X, {place.depth_mm, place.down}))
+      return {body.layers.size() + *r, &body.regions[*r]->material(), frame_in(*body.regions[*r], X, of_skin)};
   }
   return {size_t(layer), &body.layers[size_t(layer)].material, of_skin};
-}
-
-StretchFrame frame_along(const Vec3& direction, const StretchFrame& skin) {
-  StretchFrame f;
-  f.along = direction.normalized();
-  f.normal = skin.normal - skin.normal.dot(f.along) * f.along;
-  if (f.normal.norm() < 1e-3) f.normal = skin.along - skin.along.dot(f.along) * f.along;  // upright fibres
-  f.normal.normalize();
-  f.across = f.normal.cross(f.along);
-  return f;
 }
 
 }  // namespace limberg

@@ -42,9 +42,6 @@ class RegionCells {
 /// Points of the same layer and matter together, in their order.
 std::vector<CellPart> parts_of(std::span<const LayerPoint> points, std::span<const StretchFrame> frames);
 
-/// Along a direction and not the skin's tension lines: `along` is that, `normal` as near to the skin's as it can be.
-StretchFrame frame_along(const Vec3& direction, const StretchFrame& skin);
-
 /// What the body is made of at a place, and the axes of its prestretch and fibres there.
 struct MatterAt {
   size_t matter = 0;  // as CellPart::matter

@@ -31,7 +31,8 @@ struct CellMoments {
   Vec3 centre() const { return Vec3(of[1], of[3], of[9]) / of[0]; }  // cell units
   Mat3 second() const;                                               // about the centre, per volume, cell units
   void add(const CellMoments& o, double factor = 1);
-  void add_point(const Vec3& at, double volume_mm3);
+  /// `edge`, in cell units: a cube of that edge about it.
+  void add_point(const Vec3& at, double volume_mm3, double edge = 0);
 };
 
 /// Adds the box [lo, hi] (in cell units, 0..1 per axis) of one material to a stencil whose means are still sums.

@@ -287,9 +287,10 @@ StencilTable::Made StencilTable::block_row(const LatticeGrid& grid, int32_t k) c
 }
 
 // Whether a region may take something of a cell of a block.
-bool StencilTable::region_in_block(const LatticeGrid& grid, Int3 at) const {
+bool StencilTable::region_in_block(const CellPlace& place) const {
   if (!regions_) return false;
-  const Vec3 h = grid.cell_mm(), centre = grid.node_mm(at) + 0.5 * h;
+  const LatticeGrid grid = grid_.at_level(place.level);
+  const Vec3 h = grid.cell_mm(), centre = grid.node_mm(place.at) + 0.5 * h;
   return regions_->reach(centre, {INFINITY, top_mm_ - centre.z(), -Vec3::UnitZ()}, 0.5 * h.norm());
 }
 
@@ -308,7 +309,7 @@ void StencilTable::fill_block(const Body& body, const LatticeGrid& grid) {
   for (int32_t k = 0; k < grid.count.z; ++k) of_row.push_back(intern(block_row(grid, k)));
   for (size_t c = 0; c < of_cell_.size(); ++c) {
     const Int3 at = grid.cell_at(int32_t(c));
-    of_cell_[c] = region_in_block(grid, at) ? intern(block_cell(grid, at)) : of_row[size_t(at.z)];
+    of_cell_[c] = region_in_block({0, at}) ? intern(block_cell(grid, at)) : of_row[size_t(at.z)];
   }
 
   // Sides of the box that are fixed, and the planes that stand for them.
@@ -345,7 +346,7 @@ struct OfParts {
   double body_mm3 = 0, spread = 0;
 };
 
-// What lies side by side in a layer, as one: layers slide on each other and bend as plates, neighbours do not.
+// What lies side by side in a layer, as one: it bends as a plate with the layers above and below it.
 LayerMatter blend_of(const std::vector<CellPart>& parts, const std::vector<LayerMatter>& matter, int layer) {
   LayerMatter out;
   double volume = 0, most = 0, mu = 0, poisson = 0, along = 0, across = 0;
@@ -373,7 +374,11 @@ OfParts of_parts(const Vec3& h, const std::vector<CellPart>& parts, const std::v
   // product of two coordinates of a piece that lies askew.
   Eigen::Matrix<double, 8, 3> push = Eigen::Matrix<double, 8, 3>::Zero();
   bool all_push = true;
-  std::map<int, std::pair<int, LayerMoments>> of_layer;  // how many parts, and their sum
+  struct OfLayer {
+    bool of_regions = false;
+    LayerMoments sum;
+  };
+  std::map<int, OfLayer> of_layer;
   for (const CellPart& p : parts) {
     const double V = p.moments.volume_mm3();
     if (!(V > 1e-9 * out.body_mm3)) continue;
@@ -385,17 +390,14 @@ OfParts of_parts(const Vec3& h, const std::vector<CellPart>& parts, const std::v
     const LayerMoments shared = layer_moments(h, m);
     push += (s.p0_kPa - before) / m.volume_mm3() * shared.B;
     all_push = all_push && s.p0_kPa > before;
-    out.of_regions |= p.matter != size_t(p.layer);
-    auto& [count, sum] = of_layer[p.layer];
-    ++count, sum.add(shared);
+    OfLayer& of = of_layer[p.layer];
+    of.of_regions |= p.matter != size_t(p.layer), of.sum.add(shared);
   }
   out.blend.reserve(of_layer.size());
   for (const auto& [layer, of] : of_layer) {
-    const LayerMatter* of_one = nullptr;
-    for (const CellPart& p : parts)
-      if (of.first == 1 && p.layer == layer && p.moments.volume_mm3() > 1e-9 * out.body_mm3) of_one = &matter[p.matter];
-    if (!of_one) of_one = &out.blend.emplace_back(blend_of(parts, matter, layer));
-    out.shared.push_back({of_one, of.second});
+    out.of_regions |= of.of_regions;
+    out.shared.push_back(
+        {of.of_regions ? &out.blend.emplace_back(blend_of(parts, matter, layer)) : &matter[size_t(layer)], of.sum});
   }
   if (all_push) s.mean_gradients = std::make_shared<const Eigen::Matrix<double, 8, 3>>(push / s.p0_kPa);
   finish_stencil(s);
@@ -423,9 +425,9 @@ StencilTable::Made StencilTable::divided_cell(const CellCutter& cutter, const Ce
     frames = regions_->frames(centre, frame);
     points = regions_->points(centre - 0.5 * h, h, samples);
     parts = parts_of(points, frames);
+    const size_t layers = skin_->body().layers.size();
     for (const CellPart& p : parts)
-      if (p.matter >= matter_.size() - region_mm3_.size())
-        region_mm3_[p.matter - (matter_.size() - region_mm3_.size())] += p.moments.volume_mm3();
+      if (p.matter >= layers) region_mm3_[p.matter - layers] += p.moments.volume_mm3();
   } else {
     const std::vector<CellMoments> moments = cutter.moments(samples);
     for (size_t l = 0; l < moments.size(); ++l) parts.push_back({int(l), l, frame, moments[l]});
@@ -626,11 +628,11 @@ StencilTable::Made StencilTable::general_part(const LatticeGrid& grid, Int3 at, 
 
 int32_t StencilTable::of_place(const CellPlace& place) const {
   if (place.level == 0) return of_cell(grid_.cell_index(place.at));
-  const LatticeGrid grid = grid_.at_level(place.level);
-  const bool of_row = is_block_ && !region_in_block(grid, place.at);
+  const bool of_row = is_block_ && !region_in_block(place);
   const std::array<int32_t, 4> key{place.level, of_row ? -1 : place.at.x, of_row ? -1 : place.at.y, place.at.z};
   const auto [it, is_new] = of_part_.try_emplace(key, -1);
   if (is_new) {
+    const LatticeGrid grid = grid_.at_level(place.level);
     Made made = of_row      ? block_row(grid, place.at.z)
                 : is_block_ ? block_cell(grid, place.at)
                             : general_part(grid, place.at, place.level);
