@@ -91,7 +91,7 @@ void measure_rim(const SurfaceView& view, TissueMesh& mesh, Part part, const std
 
 TissueMesh make_tissue_mesh(const SurfaceTopology& topology) {
   const SurfaceView& view = topology.view;
-  const SharedArray<float>& depth = topology.depth_mm.get();
+  const SharedArray<float>& depth = topology.layers_mm.get();
   TissueMesh mesh;
   mesh.version = topology.version;
   mesh.hash = topology.hash;

@@ -43,6 +43,9 @@ std::vector<Blob> bundle(const Scene& scene, const Calibration& calibration) {
   for (const ColliderSpec& c : scene.colliders) add_mesh(c.path);
   for (const RegionSpec& r : scene.regions)
     if (!r.volume.empty()) add_mesh(r.volume);
+  for (const ThicknessSpec& t : scene.thickness)
+    for (const std::string& file : {t.file, t.down_to})
+      if (!file.empty()) add_mesh(file);
   return out;
 }
 

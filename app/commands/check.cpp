@@ -100,6 +100,19 @@ void print_law(const Material& m) {
   for (const PronyTerm& p : m.prony) std::printf("  relaxes   %.3g %% in %.4g s\n", 100 * p.share, p.time_s);
 }
 
+/// Of a layer that is not as thick everywhere.
+void print_thickness(const Body& body, size_t layer) {
+  if (layer >= body.thickness_mm.size() || body.thickness_mm[layer].empty()) return;
+  std::vector<float> skin;  // beneath it
+  for (size_t t = 0; t < body.surface.tri.size(); ++t)
+    if (body.surface.tag.empty() || body.surface.tag[t] == SurfaceTag::skin)
+      for (const int32_t v : body.surface.tri[t]) skin.push_back(body.thickness_mm[layer][size_t(v)]);
+  if (skin.empty()) return;
+  std::sort(skin.begin(), skin.end());
+  std::printf("  thickness by place %.3g to %.3g mm, %.3g in the middle\n", double(skin.front()), double(skin.back()),
+              double(skin[skin.size() / 2]));
+}
+
 void check_tissues(const TissueLibrary& library) {
   std::printf("tissues     %zu\n", library.tissues.size());
   for (const NamedTissue& t : library.tissues) {
@@ -197,6 +210,7 @@ void check_scene(const Scene& scene) {
     std::printf("layer       %s, %.3g mm, %.3g kPa, Poisson %.3g, prestretch %.3g along, %.3g across\n", l.name.c_str(),
                 l.thickness_mm, l.material.young_kPa, l.material.poisson, l.material.prestretch_along,
                 l.material.prestretch_across);
+    print_thickness(*body, size_t(&l - body->layers.data()));
     print_law(l.material);
   }
   for (const auto& r : body->regions) {

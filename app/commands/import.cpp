@@ -43,6 +43,8 @@ int import(const ImportSettings& s, bool replace, const Words& w) {
   for (const auto& [name, solid] : solid_files(x))
     write_whole_file((std::filesystem::path(s.out) / name).string(), collider_obj(*solid));
   if (!x.texture.empty()) write_whole_file((std::filesystem::path(s.out) / picture_name(x)).string(), x.texture);
+  if (const std::string thickness = thickness_text(x); !thickness.empty())
+    write_whole_file((std::filesystem::path(s.out) / thickness_name(x)).string(), thickness);
   write_whole_file(stem + ".toml", scene_text);
   build_body(parse_scene(scene_text, stem + ".toml"));
   write_whole_file(stem + ".jsonl", script);

@@ -180,15 +180,8 @@ std::vector<std::string> missing_of(const Imported& x) {
     out.push_back(fmt::format(
         english("The peer's limits of stretch, {:g} to {:g}, are not carried: our tissue stiffens by its law."),
         x.scene.strain_least, x.scene.strain_most));
-  out.push_back(english("What the peer holds softly, its periphery, is held fast."));
   out.push_back(english("The skin has no tension of its own at rest, as the peer's has none."));
-  if (x.bed_file.empty())
-    out.push_back(english("There are no deep points: the skin is taken as 2 mm everywhere."));
-  else
-    out.push_back(fmt::format(
-        english("The layer of skin has one thickness, the median of its deep points, {:.1f} mm; cuts go to the "
-                "depth of their own places."),
-        x.skin_mm));
+  if (x.bed_file.empty()) out.push_back(english("There are no deep points: the skin is taken as 2 mm everywhere."));
   if (x.texture.empty() && !x.scene.texture.empty())
     out.push_back(fmt::format(english("The picture of the skin, {}, is not drawn: {}."),
                               limberg::quoted(x.scene.texture, 200), x.texture_why));

@@ -55,6 +55,9 @@ Imported import_peer(const ImportSettings& settings);
 /// The files of it, as text.
 std::string scene_toml(const Imported& x);
 std::string surface_obj(const Imported& x);
+/// How thick the skin is by place; empty: there are no deep points.
+std::string thickness_text(const Imported& x);
+std::string thickness_name(const Imported& x);
 std::string collider_obj(const Collider& c);
 /// "NAME.jpg"; empty: there is no picture.
 std::string picture_name(const Imported& x);

@@ -9,6 +9,7 @@
 
 #include "app/import/import.h"
 #include "render/image.h"
+#include "sim/body/thickness.h"
 
 namespace limberg {
 namespace {
@@ -75,17 +76,17 @@ std::string scene_toml(const Imported& x) {
         kSoft_kPa * x.volumes[i].stiffness);
   t += fmt::format(
       "\n# As in our face.toml: skin 60 kPa, the soft tissue of a face taken together 15 kPa (Chabanas 2003). The\n"
-      "# thickness is the median of the deep points.\n[[layer]]\nname = \"skin\"\nthickness_mm = {:.2f}\nyoung_kPa = "
-      "60\n"
-      "poisson = 0.45\ndensity_kg_m3 = 1100\n\n[[layer]]\nname = \"fat and muscle\"\nthickness_mm = 100\nyoung_kPa = "
+      "# thickness is the median of the deep points.\n[[layer]]\nname = \"skin\"\nthickness_mm = {:.2f}\n{}young_kPa "
+      "= 60\npoisson = 0.45\ndensity_kg_m3 = 1100\n\n[[layer]]\nname = \"fat and muscle\"\nthickness_mm = "
+      "100\nyoung_kPa = "
       "15\n"
       "poisson = 0.45\ndensity_kg_m3 = 950\n\n{}[lattice]\ncell_mm = {:.3g}\nregion_mm = {:.0f}  # what lies farther "
       "from the "
       "operation holds still\n\n[solver]\niterations_per_step = 10\nseed = 1\n\n[tools]\nmax_depth_mm = 40\n"
       "default_depth_mm = {:.2f}\ndefault_spacing_mm = {:.3g}\n\n[springs]\nsuture_bite_mm = {:.3g}\nhook_tip_mm = "
       "{:.3g}\n\n",
-      x.skin_mm, regions, x.cell_mm, x.region_mm, std::clamp(1.1 * x.skin_mm, 0.1, 40.0), x.spacing_mm, x.bite_mm,
-      x.bite_mm);
+      x.skin_mm, thickness_text(x).empty() ? "" : fmt::format("thickness_file = \"{}\"\n", thickness_name(x)), regions,
+      x.cell_mm, x.region_mm, std::clamp(1.1 * x.skin_mm, 0.1, 40.0), x.spacing_mm, x.bite_mm, x.bite_mm);
   const double distance = std::clamp(5.0 * o.reach_mm + 40, 60.0, 2000.0);
   t += fmt::format("[camera]\ntarget_mm = {}\nfrom = {}\nup = {}\ndistance_mm = {:.0f}\nfov_deg = 28\n",
                    place(o.middle_mm), direction(n), direction(e2), distance);
@@ -113,6 +114,20 @@ std::string surface_obj(const Imported& x) {
     }
   }
   return t + faces;
+}
+
+std::string thickness_name(const Imported& x) { return x.name + "-skin.txt"; }
+
+std::string thickness_text(const Imported& x) {
+  std::string t;
+  for (size_t v = 0; v < x.model.deep_mm.size(); ++v) {
+    if (!x.model.deep_mm[v].allFinite()) continue;
+    const Vec3& X = x.model.mesh.X_mm[v];
+    const double thick =
+        std::clamp((x.model.deep_mm[v] - X).norm(), ThicknessLimits::least_mm, ThicknessLimits::most_mm);
+    t += fmt::format("{:.5f} {:.5f} {:.5f} {:.4f}\n", X.x(), X.y(), X.z(), thick);
+  }
+  return t.empty() ? t : fmt::format("# Of {}: x y z thickness of the skin there, mm\n", file_name(x.bed_file)) + t;
 }
 
 std::string picture_name(const Imported& x) {

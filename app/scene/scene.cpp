@@ -51,6 +51,7 @@ void read_tags(Table& t, Scene& s) {
     if (known == std::end(kObjTagNames))
       one.fail("what", "is of no known kind; expected \"skin\", \"mucosa\", \"held\", \"held_softly\" or \"cut\"");
     tag.what = ObjTag::What(known - std::begin(kObjTagNames));
+    if (tag.what == ObjTag::What::held_softly) one.real("stiffness_kPa_mm", tag.stiffness_kPa_mm, 0, 1e4, true);
     for (const ObjTag& other : s.obj.tags)
       if (other.material == tag.material) one.fail("material", "is tagged twice; expected each material once");
     one.finish();
@@ -141,7 +142,9 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
     return library.emplace(parse_tissues(s.tissues, file, *s.laws));
   };
   if (s.flesh) {
-    (s.source == Scene::Source::block ? s.block.layers : s.obj.layers) = read_layers(root, path, *s.laws, tissues);
+    SceneLayers read = read_layers(root, path, *s.laws, tissues);
+    s.thickness = std::move(read.thickness), s.layer_line = std::move(read.line);
+    (s.source == Scene::Source::block ? s.block.layers : s.obj.layers) = std::move(read.layers);
     read_regions(root, path, s, tissues);
   }
 
@@ -225,6 +228,9 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
     h.add(read_whole_file(c.path, ObjLimits::file_bytes, "a collider that the scene names"));
   for (const RegionSpec& r : s.regions)
     if (!r.volume.empty()) h.add(read_whole_file(r.volume, ObjLimits::file_bytes, "a region that the scene names"));
+  for (const ThicknessSpec& t : s.thickness)
+    for (const std::string& file : {t.file, t.down_to})
+      if (!file.empty()) h.add(read_whole_file(file, ObjLimits::file_bytes, "thicknesses that the scene names"));
   if (s.head) {
     for (const std::string& f : s.head->bone_files)
       h.add(read_whole_file(f, ObjLimits::file_bytes, "a simplex mesh that the scene names"));
@@ -295,6 +301,7 @@ std::shared_ptr<const Body> build_body(const Scene& scene, SurfaceReport* report
     body->name = scene.name;
     body->laws = scene.laws;
     for (const ColliderSpec& c : scene.colliders) body->colliders.push_back(load_collider(c));
+    add_thickness(scene, *body);
     add_regions(scene, *body);
     if (const double side = (body->box_max_mm - body->box_min_mm).minCoeff(); scene.cell_mm > side)
       throw InputError(scene.path, 0,
@@ -307,6 +314,7 @@ std::shared_ptr<const Body> build_body(const Scene& scene, SurfaceReport* report
   auto body = std::make_shared<Body>(make_block(scene.block));
   body->laws = scene.laws;
   for (const ColliderSpec& c : scene.colliders) body->colliders.push_back(load_collider(c));
+  add_thickness(scene, *body);
   add_regions(scene, *body);
   if (report) *report = validate_surface(body->surface, body->grid, scene.path);
   check_fine_places(scene, body);

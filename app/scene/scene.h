@@ -47,6 +47,7 @@
 #include "app/scene/scene_head.h"
 #include "sim/body/block.h"
 #include "sim/body/obj.h"
+#include "sim/body/thickness.h"
 #include "sim/commands/script.h"
 #include "sim/patient/world.h"
 
@@ -65,11 +66,13 @@ struct Scene {
   bool flesh = true;  // there is a [body]: skin with flap tools
   std::optional<HeadScene> head;
   Source source = Source::block;
-  BlockSpec block;                      // when source is block
-  ObjSpec obj;                          // when source is obj; obj.path is resolved against the scene file's folder
-  std::vector<ColliderSpec> colliders;  // what the tissue lies against
-  std::vector<RegionSpec> regions;      // tissue of its own
-  std::vector<int> region_line;         // where in the file each stands
+  BlockSpec block;                       // when source is block
+  ObjSpec obj;                           // when source is obj; obj.path is resolved against the scene file's folder
+  std::vector<ThicknessSpec> thickness;  // of each layer, where it is not as thick everywhere
+  std::vector<int> layer_line;           // of the file
+  std::vector<ColliderSpec> colliders;   // what the tissue lies against
+  std::vector<RegionSpec> regions;       // tissue of its own
+  std::vector<int> region_line;          // where in the file each stands
   std::string texture;  // of an obj's skin, a PNG or JPEG file; empty: what the OBJ's material names, if that is there
 
   double cell_mm = 3.5;

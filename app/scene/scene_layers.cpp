@@ -98,14 +98,51 @@ const NamedTissue* named_tissue(Table& t, const std::function<const TissueLibrar
   return found;
 }
 
-std::vector<Layer> read_layers(const toml::table& root, const std::string& file, const LawCatalogue& laws,
-                               const std::function<const TissueLibrary&(Table&)>& library) {
+namespace {
+
+constexpr size_t kMostPlaces = 1000;
+
+ThicknessSpec read_thickness(Table& t) {
+  ThicknessSpec out;
+  t.path("thickness_file", out.file);
+  t.path("down_to", out.down_to);
+  if (t.has("thickness_points")) {
+    const std::string expected = "; expected a list of 1 to " + std::to_string(kMostPlaces) +
+                                 " places [x, y, z, thickness], all in mm, the thickness from 0.1 to 100";
+    const toml::array* a = t.node("thickness_points")->as_array();
+    if (!a || a->empty() || a->size() > kMostPlaces) t.fail("thickness_points", "is no such list" + expected);
+    for (const toml::node& e : *a) {
+      const toml::array* p = e.as_array();
+      double v[4];
+      for (size_t i = 0; i < 4; ++i) {
+        const std::optional<double> x =
+            p && p->size() == 4 && p->get(i)->is_number() ? p->get(i)->value<double>() : std::nullopt;
+        if (!x || !(std::abs(*x) <= 1e4)) t.fail("thickness_points", "holds something that is no place" + expected);
+        v[i] = *x;
+      }
+      if (!(v[3] >= ThicknessLimits::least_mm && v[3] <= ThicknessLimits::most_mm))
+        t.fail("thickness_points", "holds a thickness of " + number(v[3]) + " mm" + expected);
+      out.points.push_back({{v[0], v[1], v[2]}, v[3]});
+    }
+  }
+  const int given = int(!out.points.empty()) + int(!out.file.empty()) + int(!out.down_to.empty());
+  if (given > 1)
+    t.fail(out.file.empty() ? "down_to" : "thickness_file",
+           "is given beside another thickness by place; expected one of thickness_points, thickness_file, down_to");
+  if (!out.down_to.empty()) t.real("scale_to_mm", out.scale_to_mm, 0, 1e6, true);
+  return out;
+}
+
+}  // namespace
+
+SceneLayers read_layers(const toml::table& root, const std::string& file, const LawCatalogue& laws,
+                        const std::function<const TissueLibrary&(Table&)>& library) {
   const toml::node* n = root.get("layer");
   const toml::array* a = n ? n->as_array() : nullptr;
   if (!a || a->empty())
     throw InputError(file, n ? int(n->source().begin.line) : 0, "no layers; expected at least one [[layer]]");
   if (a->size() > 16) throw InputError(file, int(n->source().begin.line), "more than 16 layers; expected at most 16");
-  std::vector<Layer> layers;
+  SceneLayers out;
   for (const toml::node& e : *a) {
     if (!e.is_table()) throw InputError(file, int(e.source().begin.line), "a layer is not a table; expected [[layer]]");
     Table t(e.as_table(), "layer", file);
@@ -123,11 +160,26 @@ std::vector<Layer> read_layers(const toml::table& root, const std::string& file,
     t.text("name", l.name, 40);
     need(t, "thickness_mm", l.thickness_mm, "name, thickness_mm, young_kPa and poisson in every layer");
     t.real("thickness_mm", l.thickness_mm, 0, 1000, true);
+    out.thickness.push_back(read_thickness(t)), out.line.push_back(int(e.source().begin.line));
+    if (out.thickness.back().given() && out.layers.size() + 1 == a->size())
+      t.fail("name",
+             "is that of the last layer, which reaches down to the bottom; expected no thickness by place there");
     read_material(t, l.material, laws);
     t.finish();
-    layers.push_back(std::move(l));
+    out.layers.push_back(std::move(l));
   }
-  return layers;
+  return out;
+}
+
+void add_thickness(const Scene& scene, Body& body) {
+  for (size_t l = 0; l < scene.thickness.size(); ++l) try {
+      if (!scene.thickness[l].given()) continue;
+      body.thickness_mm.resize(l + 1);
+      body.thickness_mm[l] = thickness_of(scene.thickness[l], body, l);
+    } catch (const InputError& e) {
+      if (!e.file().empty()) throw;
+      throw InputError(scene.path, scene.layer_line[l], e.what());
+    }
 }
 
 }  // namespace limberg

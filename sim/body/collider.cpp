@@ -64,11 +64,11 @@ std::shared_ptr<const Collider> parse_collider(std::string_view text, const Coll
     throw InputError(spec.path, 0,
                      fmt::format("the {} is {:g} mm long; expected at most {:g} (is the scale right?)", spec.what,
                                  longest, kLongest_mm));
-  check_closed(m, line, spec);
+  if (spec.closed) check_closed(m, line, spec);
   double volume_mm3 = 0;
   for (const Tri& t : m.tri)
     volume_mm3 += (m.X_mm[size_t(t[0])] - low).dot((m.X_mm[size_t(t[1])] - low).cross(m.X_mm[size_t(t[2])] - low)) / 6;
-  if (!(volume_mm3 > kLeast_mm3))
+  if (spec.closed && !(volume_mm3 > kLeast_mm3))
     throw InputError(spec.path, 0,
                      fmt::format("the {} holds {:g} mm3; expected faces that look outwards, counter-clockwise seen "
                                  "from there",

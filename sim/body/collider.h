@@ -23,6 +23,7 @@ struct ColliderSpec {
   double scale_to_mm = 1;
   Vec3f colour = Collider().colour;
   std::string what = "collider";  // in messages
+  bool closed = true;             // false: it may be open and look either way
 };
 
 /// Throws InputError, with file and line, where the surface is open at an edge, looks inwards or is longer than 1 m. It

@@ -196,16 +196,17 @@ SurfaceTag tag_of(ObjTag::What what) {
     case ObjTag::What::mucosa:
       return SurfaceTag::skin;
     case ObjTag::What::held:
-    case ObjTag::What::held_softly:
       return SurfaceTag::fixed;
+    case ObjTag::What::held_softly:
     case ObjTag::What::cut:
       break;
   }
   return SurfaceTag::free;
 }
 
-void tag_by_material(TriMesh& m, const ObjSpec& spec, const std::vector<std::string>& names,
-                     const std::vector<int32_t>& material, const std::vector<int32_t>& lines) {
+void tag_by_material(TriMesh& m, std::vector<float>& soft_kPa_mm, const ObjSpec& spec,
+                     const std::vector<std::string>& names, const std::vector<int32_t>& material,
+                     const std::vector<int32_t>& lines) {
   std::vector<const ObjTag*> of(names.size(), nullptr);
   for (const ObjTag& tag : spec.tags) {
     const auto at = std::find(names.begin(), names.end(), tag.material);
@@ -224,6 +225,9 @@ void tag_by_material(TriMesh& m, const ObjSpec& spec, const std::vector<std::str
                                        : "a face of material " + limberg::quoted(names[size_t(material[t])]) +
                                              ", which is not tagged; expected a [[body.tag]] for it");
     m.tag.push_back(tag_of(tag->what));
+    if (tag->what != ObjTag::What::held_softly) continue;
+    soft_kPa_mm.resize(m.tri.size(), 0);
+    soft_kPa_mm[t] = float(tag->stiffness_kPa_mm);
   }
 }
 
@@ -245,7 +249,7 @@ Body parse_obj(std::string_view text, const ObjSpec& spec, SurfaceReport* report
   if (spec.tags.empty())
     tag_by_direction(m, spec);
   else
-    tag_by_material(m, spec, read.material, materials, lines);
+    tag_by_material(m, body.soft_kPa_mm, spec, read.material, materials, lines);
   if (std::find(m.tag.begin(), m.tag.end(), SurfaceTag::skin) == m.tag.end())
     throw InputError(
         spec.path, 0,

@@ -22,11 +22,13 @@ struct ObjTag {
     skin,         // free; can be cut, undermined and sewn
     mucosa,       // the same, moist: of a lip, a lid, the nose
     held,         // to bone: does not move
-    held_softly,  // where the body was cut out of a larger one. For now held as `held` is
+    held_softly,  // where the body was cut out of a larger one: by springs (patient/soft_hold.h)
     cut           // free without skin: a bare bed, say
   };
   std::string material;  // as usemtl names it
   What what = What::skin;
+  // held_softly: what it meets, of a displacement of 1 mm. Half a mm of tissue of 15 kPa is 30 kPa/mm, 20 mm of it .75.
+  double stiffness_kPa_mm = 0.75;
 };
 inline constexpr const char* kObjTagNames[] = {"skin", "mucosa", "held", "held_softly", "cut"};
 

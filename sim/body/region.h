@@ -4,7 +4,8 @@
 // Where it is, is said in one of four ways:
 //   volume    the inside of a closed surface
 //   path      a bundle: within a radius of a line of points; one point is a ball
-//   outline   what lies beneath an outline on the chart, between two depths below the skin
+//   outline   what lies beneath an outline on the chart, between two depths below the skin (as the layers count them,
+//             where these are thicker by place: Skin::in_layers_mm)
 //   paint     what lies beneath faces of the body's surface that are of one material, between two depths
 //
 // Fibres and prestretch run along `direction`, or along the path, else along the tension lines of the skin.
@@ -57,11 +58,14 @@ class Region {
   struct Below {
     double depth_mm = 0;
     Vec3 down = -Vec3::UnitZ();
+    double thicker_mm = 0;
+    double in_layers_mm() const { return depth_mm - thicker_mm; }
   };
   /// How far X lies inside, mm, negative outside. Near the border it is a distance (beside a paint only its sign is
   /// right), and elsewhere no larger than twice one.
   double inside_mm(const Vec3& X_mm, const Below& below) const {
-    return std::min(inside_beside_mm(X_mm, below), std::min(below.depth_mm - from_mm(), to_mm() - below.depth_mm));
+    return std::min(inside_beside_mm(X_mm, below),
+                    std::min(below.in_layers_mm() - from_mm(), to_mm() - below.in_layers_mm()));
   }
   /// The same but for the depths between which it lies.
   double inside_beside_mm(const Vec3& X_mm, const Below& below) const;

@@ -21,6 +21,19 @@ Skin::Skin(std::shared_ptr<const Body> body) : body_(std::move(body)) {
     area_mm2_ += 0.5 * area_vector2(m.X_mm[size_t(c[0])], m.X_mm[size_t(c[1])], m.X_mm[size_t(c[2])]).norm();
   }
   for (const Vec3& X : m.X_mm) reach_mm_ = std::max(reach_mm_, (X - body_->chart_origin_mm).norm());
+  const bool is_even = std::all_of(body_->thickness_mm.begin(), body_->thickness_mm.end(),
+                                   [](const std::vector<float>& of) { return of.empty(); });
+  if (is_even || !any_) return;
+  const size_t borders = body_->layers.size() - 1;
+  least_end_mm_.assign(borders, std::numeric_limits<double>::infinity()), most_end_mm_.assign(borders, 0);
+  for (int32_t t : skin)
+    for (int32_t v : m.tri[size_t(t)]) {
+      double end = 0;
+      for (size_t l = 0; l < borders; ++l) {
+        end += body_->layer_thickness_mm(l, v);
+        least_end_mm_[l] = std::min(least_end_mm_[l], end), most_end_mm_[l] = std::max(most_end_mm_[l], end);
+      }
+    }
 }
 
 std::optional<SkinHit> Skin::at(const ChartPoint& p) const {
@@ -93,17 +106,46 @@ Skin::Place Skin::place(const Vec3& X, Near& near) const {
     from = &near.skin;
   }
   p.down = -(from == &near.surface ? surface_ : skin_).side_normal(*from).normalized();
+  if (!even()) p.thicker_mm = p.depth_mm - in_layers_mm(p.depth_mm, *from);
   return p;
 }
 
-int Skin::layer_at(double depth_mm) const {
+double Skin::in_layers_mm(double depth_mm, const Bvh::Closest& near) const {
+  if (even() || near.triangle < 0) return depth_mm;
+  const Tri& corners = body_->surface.tri[size_t(near.triangle)];
+  double top = 0, counted = 0;  // where a layer begins, and where Body::layers says that it does
+  for (size_t l = 0; l + 1 < body_->layers.size(); ++l) {
+    const double usual = body_->layers[l].thickness_mm;
+    double thick = 0;
+    for (size_t k = 0; k < 3; ++k) thick += near.bary[k] * body_->layer_thickness_mm(l, corners[k]);
+    const double below = depth_mm - top;
+    if (below < thick) {
+      const double third = std::min(thick, usual) / 3;
+      if (l == 0 || below > thick - third) return counted + usual - (thick - below);
+      if (below < third) return counted + below;
+      return counted + third + (below - third) * (usual - 2 * third) / (thick - 2 * third);
+    }
+    top += thick, counted += usual;
+  }
+  return counted + (depth_mm - top);
+}
+
+int Skin::layer_at(double in_layers_mm) const {
   const auto& layers = body_->layers;
   double end = 0;
   for (size_t i = 0; i + 1 < layers.size(); ++i) {
     end += layers[i].thickness_mm;
-    if (depth_mm < end) return int(i);
+    if (in_layers_mm < end) return int(i);
   }
   return std::max(0, int(layers.size()) - 1);
+}
+
+std::pair<int, int> Skin::layers_within(double depth_mm, double reach_mm) const {
+  if (even()) return {layer_at(depth_mm - reach_mm), layer_at(depth_mm + reach_mm)};
+  const auto first_below = [](const std::vector<double>& end, double depth) {
+    return int(std::find_if(end.begin(), end.end(), [&](double e) { return depth < e; }) - end.begin());
+  };
+  return {first_below(most_end_mm_, depth_mm - reach_mm), first_below(least_end_mm_, depth_mm + reach_mm)};
 }
 
 Skin::Frame Skin::frame(const Vec3& X) const {

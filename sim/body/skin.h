@@ -8,6 +8,7 @@
 //   Skin::Frame f = skin.frame(X);               // axes of the prestretch there
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "sim/body/body.h"
@@ -46,11 +47,22 @@ class Skin {
   struct Place {
     double inside_mm = 0, depth_mm = 0;
     Vec3 down = Vec3::Zero();  // unit: the way into the body from the skin that the depth is measured from
+    double thicker_mm = 0;     // by so much the layers above are thicker than Body::layers says
+    double in_layers_mm() const { return depth_mm - thicker_mm; }
   };
   Place place(const Vec3& X_mm, Near& near) const;
 
+  /// Depths below are as the layers count them, which begin and end where Body::layers says. Where a layer is thicker
+  /// or thinner by place (Body::thickness_mm) so is what lies beneath it deeper or less deep, mm for mm; of a layer
+  /// between two others the middle third is drawn out or pressed together, of the last and the first the far end.
+  /// `near`: the skin's nearest place.
+  double in_layers_mm(double depth_mm, const Bvh::Closest& near) const;
   /// Index into Body::layers: 0 from the surface to its thickness (and outside), and so on; the last one has no end.
-  int layer_at(double depth_mm) const;
+  int layer_at(double in_layers_mm) const;
+  /// The first and the last layer that may be within reach of a place that lies so deep (not as the layers count).
+  std::pair<int, int> layers_within(double depth_mm, double reach_mm) const;
+  /// True: no layer is thicker in one place than in another.
+  bool even() const { return least_end_mm_.empty(); }
 
   /// Orthonormal, right-handed: along x across = normal. `normal` is the skin's (outward, interpolated between corners)
   /// at the point nearest to X; `along` is Body::tension_direction laid into the skin plane.
@@ -68,6 +80,7 @@ class Skin {
   SidedPatch surface_, skin_;
   bool any_ = false;
   double area_mm2_ = 0, reach_mm_ = 0;
+  std::vector<double> least_end_mm_, most_end_mm_;  // of layers that are not as thick everywhere
 };
 
 }  // namespace limberg

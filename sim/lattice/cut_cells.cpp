@@ -196,7 +196,8 @@ void CellCutter::visit(const CellSamples& samples, Box&& box, Piece&& piece) con
       const int i = at[0] + (k & 1), j = at[1] + (k >> 1 & 1), l = at[2] + (k >> 2 & 1);
       const Skin::Place& p = samples[size_t(sample_at(i, j, l))];
       Tet::Corner& c = corner[size_t(k)];
-      c.x = Vec3(i, j, l) / kSplit, c.inside = p.inside_mm, c.depth = std::min(p.depth_mm, kFar_mm), c.down = p.down;
+      c.x = Vec3(i, j, l) / kSplit, c.inside = p.inside_mm, c.depth = std::min(p.in_layers_mm(), kFar_mm),
+      c.down = p.down;
       least = std::min(least, c.inside), most = std::max(most, c.inside);
       low = std::min(low, c.depth), high = std::max(high, c.depth);
     }

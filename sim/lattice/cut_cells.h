@@ -2,14 +2,15 @@
 // What the layers of a body take of a lattice cell: their volumes and moments in it, nothing of what lies outside.
 //
 // A cell is looked at on the corners of kSplit^3 boxes: the distance to the body's surface (negative outside) and the
-// depth below its skin (Skin::place). A box in which one layer is certain counts whole, exactly. Any other is cut in
-// six tetrahedra, in which both fields are taken as linear; each is clipped by the surface and by the layers' borders,
-// and the pieces are integrated with the four-point rule of degree two. So a layer between flat borders has its exact
-// volume, centroid and second moments wherever the borders fall in the cell. Where corners of a tetrahedron lie below
-// skins that face different ways (a fold) it has both depths, each of them linear, and a layer is where the lesser is:
-// two skins nearer to each other than a cell are both seen. On a sphere of radius R the error of a depth is at most
-// that of its chords, 3 (h / kSplit)^2 / 8R (h 5 mm, R 30: .02 mm), the same for both borders of a layer. Edges of the
-// surface are rounded by a part of a box: at the rim of a flat slab of 60 mm up to .8 % of its skin at 5 mm is lost.
+// depth below its skin (Skin::place, as the layers count it). A box in which one layer is certain counts whole,
+// exactly. Any other is cut in six tetrahedra, in which both fields are taken as linear; each is clipped by the surface
+// and by the layers' borders, and the pieces are integrated with the four-point rule of degree two. So a layer between
+// flat borders has its exact volume, centroid and second moments wherever the borders fall in the cell. Where corners
+// of a tetrahedron lie below skins that face different ways (a fold) it has both depths, each of them linear, and a
+// layer is where the lesser is: two skins nearer to each other than a cell are both seen. On a sphere of radius R the
+// error of a depth is at most that of its chords, 3 (h / kSplit)^2 / 8R (h 5 mm, R 30: .02 mm), the same for both
+// borders of a layer. Edges of the surface are rounded by a part of a box: at the rim of a flat slab of 60 mm up to .8
+// % of its skin at 5 mm is lost.
 #include <array>
 #include <vector>
 

@@ -99,7 +99,8 @@ class StencilTable {
                 const Skin::Place& at_centre) const;
   Made divided_cell(const CellCutter& cutter, const CellSamples& samples, const HeldCorners& held,
                     const Vec3& centre_mm, const Skin::Place& at_centre, const StretchFrame& frame) const;
-  bool region_in_block(const CellPlace& place) const;
+  bool unlike_its_row(const CellPlace& place) const;
+  Skin::Place place_in_block(const Vec3& X_mm, Skin::Near& near) const;
   Made block_cell(const LatticeGrid& grid, Int3 at) const;
   int32_t add(Made made) const;
   int32_t intern(Made made) const;

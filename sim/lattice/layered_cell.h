@@ -8,7 +8,8 @@
 
 namespace limberg {
 
-/// Depth below the skin in a cell: at its centre, and the unit vector along which it grows by 1 mm a mm.
+/// Depth below the skin in a cell, as the layers count it: at its centre, and its gradient, a unit vector where no
+/// layer is thicker by place.
 struct CellDepth {
   double at_centre_mm = 0;
   Vec3 down = -Vec3::UnitZ();

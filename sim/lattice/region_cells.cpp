@@ -22,7 +22,7 @@ Region::Below below_at(const CellSamples& samples, const Vec3& at) {
     const int i = low[0] + (k & 1), j = low[1] + (k >> 1 & 1), l = low[2] + (k >> 2 & 1);
     const Skin::Place& p = samples[size_t((l * (kSplit + 1) + j) * (kSplit + 1) + i)];
     const double w = (k & 1 ? t[0] : 1 - t[0]) * (k >> 1 & 1 ? t[1] : 1 - t[1]) * (k >> 2 & 1 ? t[2] : 1 - t[2]);
-    out.depth_mm += w * std::min(p.depth_mm, 1e30), out.down += w * p.down;
+    out.depth_mm += w * std::min(p.depth_mm, 1e30), out.down += w * p.down, out.thicker_mm += w * p.thicker_mm;
   }
   return out;
 }
@@ -58,7 +58,7 @@ RegionCells::RegionCells(const Skin& skin, std::span<const double> end_mm)
 bool RegionCells::reach(const Vec3& X, const Skin::Place& place, double reach_mm) const {
   const auto& regions = skin_.body().regions;
   return std::any_of(regions.begin(), regions.end(), [&](const auto& r) {
-    return r->reaches(X, {place.depth_mm, place.down}, reach_mm);
+    return r->reaches(X, {place.depth_mm, place.down, place.thicker_mm}, reach_mm);
   });
 }
 
@@ -92,7 +92,7 @@ std::vector<LayerPoint> RegionCells::points(const Vec3& low, const Vec3& h, cons
 }
 
 size_t RegionCells::matter(const Vec3& X, const Skin::Place& place, int layer) const {
-  const auto region = region_at(skin_.body(), X, {place.depth_mm, place.down});
+  const auto region = region_at(skin_.body(), X, {place.depth_mm, place.down, place.thicker_mm});
   return region ? skin_.body().layers.size() + *region : size_t(layer);
 }
 
@@ -120,7 +120,7 @@ MatterAt matter_at(const Skin& skin, const Vec3& X, int layer, Skin::Near& near)
   const StretchFrame of_skin{f.along, f.across, f.normal};
   if (!body.regions.empty()) {
     const Skin::Place place = skin.place(X, near);
-    if (const auto r = region_at(body, X, {place.depth_mm, place.down}))
+    if (const auto r = region_at(body, X, {place.depth_mm, place.down, place.thicker_mm}))
       return {body.layers.size() + *r, &body.regions[*r]->material(), frame_in(*body.regions[*r], X, of_skin)};
   }
   return {size_t(layer), &body.layers[size_t(layer)].material, of_skin};

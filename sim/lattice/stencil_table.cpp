@@ -104,6 +104,17 @@ Vec3 sample_place(int n) {
   return Vec3(n % (kSplit + 1), n / (kSplit + 1) % (kSplit + 1), n / ((kSplit + 1) * (kSplit + 1))) / kSplit;
 }
 
+// How much of Skin::Place::thicker_mm a cell has more on one side than on the other, a mm.
+Vec3 slope_of_thicker(const CellSamples& samples, const Vec3& h) {
+  Vec3 out = Vec3::Zero();
+  for (int c = 0; c < 8; ++c) {
+    int at = 0;
+    for (int a = 2; a >= 0; --a) at = at * (kSplit + 1) + (c >> a & 1) * kSplit;
+    for (int a = 0; a < 3; ++a) out[a] += (c >> a & 1 ? 0.25 : -0.25) * samples[size_t(at)].thicker_mm / h[a];
+  }
+  return out;
+}
+
 // Samples of a cell of one layer that only the held surface cuts: from the distances of its corners.
 CellSamples above_held(const HeldCorners& held, const Skin::Place& place) {
   CellSamples out;
@@ -286,21 +297,37 @@ StencilTable::Made StencilTable::block_row(const LatticeGrid& grid, int32_t k) c
   return {std::move(s), h.prod(), std::move(layered)};
 }
 
-// Whether a region may take something of a cell of a block.
-bool StencilTable::region_in_block(const CellPlace& place) const {
-  if (!regions_) return false;
+// Whether a cell of a block may be made of something else than its row.
+bool StencilTable::unlike_its_row(const CellPlace& place) const {
+  if (!regions_ && skin_->even()) return false;
   const LatticeGrid grid = grid_.at_level(place.level);
   const Vec3 h = grid.cell_mm(), centre = grid.node_mm(place.at) + 0.5 * h;
-  return regions_->reach(centre, {INFINITY, top_mm_ - centre.z(), -Vec3::UnitZ()}, 0.5 * h.norm());
+  const double depth_mm = top_mm_ - centre.z();
+  const double reach = 0.5 * h.z();
+  const std::pair<int, int> within = skin_->layers_within(depth_mm, reach),
+                            of_row{skin_->layer_at(depth_mm - reach), skin_->layer_at(depth_mm + reach)};
+  if (!skin_->even() && (within.first != within.second || within != of_row)) return true;
+  Skin::Near near;
+  return regions_ && regions_->reach(centre, place_in_block(centre, near), 0.5 * h.norm());
 }
 
-// A cell of a block of which regions take a part.
+// A place of a block, as though it went on beside its sides and below.
+Skin::Place StencilTable::place_in_block(const Vec3& X_mm, Skin::Near& near) const {
+  Skin::Place p{1e6, top_mm_ - X_mm.z(), -Vec3::UnitZ()};
+  if (!skin_->even()) {
+    skin_->depth_mm(X_mm, near.skin);
+    p.thicker_mm = p.depth_mm - skin_->in_layers_mm(p.depth_mm, near.skin);
+  }
+  return p;
+}
+
+// A cell of a block of which regions take a part, or whose layers are not as thick everywhere.
 StencilTable::Made StencilTable::block_cell(const LatticeGrid& grid, Int3 at) const {
   const Vec3 h = grid.cell_mm(), low = grid.node_mm(at);
   CellSamples samples;
-  for (int n = 0; n < kSamples; ++n)
-    samples[size_t(n)] = {1e6, top_mm_ - (low + h.cwiseProduct(sample_place(n))).z(), -Vec3::UnitZ()};
-  const Skin::Place centre{1e6, top_mm_ - low.z() - 0.5 * h.z(), -Vec3::UnitZ()};
+  Skin::Near near;
+  for (int n = 0; n < kSamples; ++n) samples[size_t(n)] = place_in_block(low + h.cwiseProduct(sample_place(n)), near);
+  const Skin::Place centre = place_in_block(low + 0.5 * h, near);
   return divided_cell(CellCutter(h, layer_ends_), samples, {}, low + 0.5 * h, centre, frame_of_block(skin_->body()));
 }
 
@@ -309,7 +336,7 @@ void StencilTable::fill_block(const Body& body, const LatticeGrid& grid) {
   for (int32_t k = 0; k < grid.count.z; ++k) of_row.push_back(intern(block_row(grid, k)));
   for (size_t c = 0; c < of_cell_.size(); ++c) {
     const Int3 at = grid.cell_at(int32_t(c));
-    of_cell_[c] = region_in_block({0, at}) ? intern(block_cell(grid, at)) : of_row[size_t(at.z)];
+    of_cell_[c] = unlike_its_row({0, at}) ? intern(block_cell(grid, at)) : of_row[size_t(at.z)];
   }
 
   // Sides of the box that are fixed, and the planes that stand for them.
@@ -435,7 +462,7 @@ StencilTable::Made StencilTable::divided_cell(const CellCutter& cutter, const Ce
   double volume = 0;
   for (const CellPart& p : parts) volume += p.moments.volume_mm3();
   if (volume < kSliver * h.prod()) {
-    const int layer = skin_->layer_at(std::max(at_centre.depth_mm, 0.0));
+    const int layer = skin_->layer_at(std::max(at_centre.depth_mm, 0.0) - at_centre.thicker_mm);
     const size_t of = in_region ? regions_->matter(centre, at_centre, layer) : size_t(layer);
     Stencil s;
     add_box(s, h, Vec3::Zero(), Vec3::Ones(), matter_[of], frames[of]);
@@ -452,7 +479,7 @@ StencilTable::Made StencilTable::divided_cell(const CellCutter& cutter, const Ce
   if (made.shared.size() > 1) {
     layered = std::make_shared<LayeredCell>();
     layered->parts = std::move(parts), layered->frame = frame;
-    layered->depth = {at_centre.depth_mm, at_centre.down};
+    layered->depth = {at_centre.in_layers_mm(), at_centre.down - slope_of_thicker(samples, h)};
   }
   return {std::move(s), volume, std::move(layered)};
 }
@@ -505,7 +532,7 @@ void StencilTable::fill_general(const Skin& skin, const LatticeGrid& grid) {
     const Vec3 centre = grid.node_mm(at) + 0.5 * h;
     const Skin::Place place = skin.place(centre, near);
     // Both are 1-Lipschitz in the body.
-    const int upper = skin.layer_at(place.depth_mm - reach), lower = skin.layer_at(place.depth_mm + reach);
+    const auto [upper, lower] = skin.layers_within(place.depth_mm, reach);
     bool stretched = false;
     for (int l = upper; l <= lower; ++l) stretched = stretched || matter_[size_t(l)].directed();
     const HeldCorners held = held_corners(at);
@@ -602,7 +629,7 @@ StencilTable::Made StencilTable::general_part(const LatticeGrid& grid, Int3 at, 
   const double reach = 0.5 * h.norm();
   Skin::Near near;
   const Skin::Place place = skin_->place(centre, near);
-  const int upper = skin_->layer_at(place.depth_mm - reach), lower = skin_->layer_at(place.depth_mm + reach);
+  const auto [upper, lower] = skin_->layers_within(place.depth_mm, reach);
   const bool stretched = upper != lower || matter_[size_t(upper)].directed();
   const HeldCorners held = held_part(grid, at, level, corners);
   const bool in_region = regions_ && regions_->reach(centre, place, reach);
@@ -628,7 +655,7 @@ StencilTable::Made StencilTable::general_part(const LatticeGrid& grid, Int3 at, 
 
 int32_t StencilTable::of_place(const CellPlace& place) const {
   if (place.level == 0) return of_cell(grid_.cell_index(place.at));
-  const bool of_row = is_block_ && !region_in_block(place);
+  const bool of_row = is_block_ && !unlike_its_row(place);
   const std::array<int32_t, 4> key{place.level, of_row ? -1 : place.at.x, of_row ? -1 : place.at.y, place.at.z};
   const auto [it, is_new] = of_part_.try_emplace(key, -1);
   if (is_new) {

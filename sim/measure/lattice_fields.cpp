@@ -73,7 +73,8 @@ LatticeFields lattice_fields(const SoftTissue& tissue) {
       moved.row(a) = u[size_t(cell.node[size_t(a)])].cast<double>().transpose();
     }
     const Vec3 centre = X.colwise().mean().transpose();
-    const int layer = skin.layer_at(skin.depth_mm(centre, near));
+    const double depth_mm = skin.depth_mm(centre, near);
+    const int layer = skin.layer_at(skin.in_layers_mm(depth_mm, near));
     const Mat3 F = solver.cell_F(int32_t(c));
     const MatterAt of = matter_at(skin, centre, layer, of_region);
     const Mat3 F0 = prestretch_gradient(*of.material, {of.frame.normal, of.frame.along, of.frame.across});

@@ -119,7 +119,7 @@ Metrics measure(const Snapshot& snapshot, const Skin& skin, const ElasticSolver&
   if (!J.empty()) m.min_J = double(*std::min_element(J.begin(), J.end()));
   look_at_inverted(J, solver.model(), m);
   m.balance = force_balance(snapshot.hooks, snapshot.sutures, solver.support_force_mN(),
-                            solver.load_force_mN() + also.collider_force_mN);
+                            solver.load_force_mN() + also.collider_force_mN + also.soft_hold_force_mN);
 
   const SurfaceView& view = snapshot.topology->view;
   const std::span<const Vec3f> x = snapshot.x_mm;

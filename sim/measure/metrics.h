@@ -114,8 +114,9 @@ struct MeasureAlso {
   std::optional<PlannedProcedure> plan = {};
   std::vector<Landmark> landmarks = {};
   std::optional<double> closure_energy_uJ = {};
-  std::vector<int> one_bank = {};         // SoftTissue::stitches_in_one_bank
-  Vec3 collider_force_mN = Vec3::Zero();  // SoftTissue::collider_force_mN
+  std::vector<int> one_bank = {};          // SoftTissue::stitches_in_one_bank
+  Vec3 collider_force_mN = Vec3::Zero();   // SoftTissue::collider_force_mN
+  Vec3 soft_hold_force_mN = Vec3::Zero();  // SoftTissue::soft_hold_force_mN
 };
 
 /// `script`: what was done, for figures that belong to a

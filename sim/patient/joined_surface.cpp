@@ -22,11 +22,14 @@ std::shared_ptr<const SurfaceTopology> joined(const SurfaceTopology& skin, const
     both->view.X_mm.push_back(head.view.X_mm[v]);
     both->embedding.push_back({});
   }
-  both->depth_mm = Lazy<SharedArray<float>>([of_skin = skin.depth_mm, others = head.view.X_mm.size()] {
-    SharedArray<float> depth = of_skin.get();
-    for (size_t v = 0; v < others; ++v) depth.push_back(0);
-    return depth;
-  });
+  const auto with_others = [others = head.view.X_mm.size()](const Lazy<SharedArray<float>>& of_skin) {
+    return Lazy<SharedArray<float>>([of_skin, others] {
+      SharedArray<float> depth = of_skin.get();
+      for (size_t v = 0; v < others; ++v) depth.push_back(0);
+      return depth;
+    });
+  };
+  both->depth_mm = with_others(skin.depth_mm), both->layers_mm = with_others(skin.layers_mm);
   for (size_t t = 0; t < head.view.tri.size(); ++t) {
     const Tri& k = head.view.tri[t];
     both->view.tri.push_back({k[0] + base, k[1] + base, k[2] + base});

@@ -11,7 +11,20 @@ struct PointDepths::Asked {
   SharedArray<uint8_t> on_skin;
   std::shared_ptr<const Skin> skin;
   std::shared_ptr<Last> last;
+  bool in_layers = false;
 };
+
+namespace {
+
+double depth_of(const Skin& skin, const Vec3& X, bool in_layers) {
+  Bvh::Closest near;
+  const double depth = skin.depth_mm(X, near);
+  if (!in_layers) return depth;
+  const double counted = skin.in_layers_mm(depth, near), usual = skin.body().layers[0].thickness_mm;
+  return depth > 0 && counted < usual ? depth * usual / (usual + depth - counted) : counted;
+}
+
+}  // namespace
 
 Lazy<SharedArray<float>> PointDepths::follow(const SurfaceView& view, const ViewChange& change,
                                              std::shared_ptr<const Skin> skin, SharedArray<uint8_t>& on_skin) {
@@ -28,7 +41,7 @@ Lazy<SharedArray<float>> PointDepths::follow(const SurfaceView& view, const View
   else
     for (int32_t t : change.triangles) lies_on_skin(size_t(t));
   return Lazy<SharedArray<float>>(
-      [asked = Asked{view.X_mm, view.point, on_skin, std::move(skin), last_}] { return find(asked); });
+      [asked = Asked{view.X_mm, view.point, on_skin, std::move(skin), last_, in_layers_}] { return find(asked); });
 }
 
 SharedArray<float> PointDepths::find(const Asked& asked) {
@@ -45,7 +58,7 @@ SharedArray<float> PointDepths::find(const Asked& asked) {
       const int32_t point = asked.point[v];
       if (v < X_then.size() && X_then[v] == X[v] && point_then[v] == point) continue;
       const bool on_skin = size_t(point) < asked.on_skin.size() && asked.on_skin[size_t(point)];
-      depth.set(v, on_skin ? 0 : float(asked.skin->depth_mm(X[v])));
+      depth.set(v, on_skin ? 0 : float(depth_of(*asked.skin, X[v], asked.in_layers)));
     }
   }
   last.X_mm = X;

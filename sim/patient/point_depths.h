@@ -15,6 +15,9 @@ namespace limberg {
 
 class PointDepths {
  public:
+  /// in_layers: depths as the layers of the body count them (Skin::in_layers_mm), but for the first layer: as a share
+  /// of its thickness there, from 0 at the skin to what Body::layers says.
+  explicit PointDepths(bool in_layers = false) : in_layers_(in_layers) {}
   /// Depths in mm, one per vertex of the view. `change`: from the view before. Corners of skin lie at 0; others cost a
   /// search for the nearest skin. `on_skin`, per point: a triangle of skin has had it as a corner, in this version or
   /// one that it came from; it belongs to the version, so that it goes back with undo and forth with redo.
@@ -31,6 +34,7 @@ class PointDepths {
   struct Asked;
   static SharedArray<float> find(const Asked& asked);
 
+  bool in_layers_;
   std::shared_ptr<Last> last_ = std::make_shared<Last>();
 };
 

@@ -36,6 +36,21 @@ double compliance_mm_N(std::span<const Layer> layers, double radius_mm) {
   return sum;
 }
 
+namespace {
+
+/// As thick as they are at a place of the skin.
+std::vector<Layer> layers_at(const Body& body, const Vec3& X_mm) {
+  std::vector<Layer> out = body.layers;
+  if (body.thickness_mm.empty()) return out;
+  size_t nearest = 0;
+  for (size_t v = 1; v < body.surface.X_mm.size(); ++v)
+    if ((body.surface.X_mm[v] - X_mm).squaredNorm() < (body.surface.X_mm[nearest] - X_mm).squaredNorm()) nearest = v;
+  for (size_t l = 0; l < out.size(); ++l) out[l].thickness_mm = body.layer_thickness_mm(l, int32_t(nearest));
+  return out;
+}
+
+}  // namespace
+
 PressProbe::~PressProbe() = default;
 
 void PressProbe::meet(const Pressed& p) {
@@ -105,8 +120,10 @@ PressAnswer PressProbe::ask(const Pressed& p, const PressQuestion& q, int iterat
   const double h = p.model->cell_mm.maxCoeff(), felt = std::max(kFelt * h, q.radius_mm);
   find_patch(p, q, std::max(kPatch * h, q.radius_mm));
   const double depth = std::max(q.depth_mm, kShallowest_mm);
-  const double stiffness = 1 / std::max(1 / kStiffest_N_mm, compliance_mm_N(p.body.layers, q.radius_mm) -
-                                                                compliance_mm_N(p.body.layers, felt));
+  const SurfaceView& view = p.surface.view;
+  const std::vector<Layer> layers = layers_at(p.body, view.X_mm[size_t(view.tri[size_t(q.triangle)][0])]);
+  const double stiffness =
+      1 / std::max(1 / kStiffest_N_mm, compliance_mm_N(layers, q.radius_mm) - compliance_mm_N(layers, felt));
 
   double weights = 0;
   for (const Touched& t : patch_) weights += t.weight;

@@ -12,7 +12,8 @@ std::array<uint8_t, 4> colour_at(const Skin& skin, const Vec3& X, Skin::Near& ne
   const auto& regions = skin.body().regions;
   const Skin::Place place = skin.place(X, near);
   for (size_t r = regions.size(); r-- > 0;) {
-    const double share = std::clamp(0.5 + regions[r]->inside_mm(X, {place.depth_mm, place.down}) / kBlur_mm, 0.0, 1.0);
+    const double share =
+        std::clamp(0.5 + regions[r]->inside_mm(X, {place.depth_mm, place.down, place.thicker_mm}) / kBlur_mm, 0.0, 1.0);
     if (!(share > 0)) continue;
     const std::optional<Vec3f>& colour = regions[r]->colour();
     if (!colour) return {};

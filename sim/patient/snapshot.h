@@ -26,6 +26,7 @@ struct SurfaceTopology {
   SurfaceView view;
   SharedArray<EmbeddedPoint> embedding;  // per view vertex
   Lazy<SharedArray<float>> depth_mm;     // per view vertex: distance below the skin at rest
+  Lazy<SharedArray<float>> layers_mm;    // the same as the layers of the body count it (point_depths.h)
   std::shared_ptr<const Body> body;
   std::shared_ptr<const SkinImage> image;  // on the skin, by view.uv; null: there is none
   // Of a scene with a head; empty where there is none. Bone and face are of the kind `free` in the view.

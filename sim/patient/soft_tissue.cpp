@@ -143,8 +143,15 @@ Outcome SoftTissue::make_again(TissueChange& change) {
   return {true, {}};
 }
 
+std::vector<Spring> SoftTissue::all_springs() {
+  std::vector<Spring> all = springs(holding_, tissue_.spec());
+  const std::vector<Spring>& soft = soft_hold_.springs();
+  all.insert(all.end(), soft.begin(), soft.end());
+  return all;
+}
+
 void SoftTissue::publish_holding() {
-  tissue_.solver().set_springs(springs(holding_, tissue_.spec()));
+  tissue_.solver().set_springs(all_springs());
   tissue_.solver().set_loads(loads(holding_));
 }
 
@@ -187,7 +194,7 @@ void SoftTissue::fill(Snapshot& snapshot, bool with_field) const {
 
 PressAnswer SoftTissue::press(const PressQuestion& question, int iterations) {
   if (!press_) press_ = std::make_unique<PressProbe>(tissue_.workers());
-  const std::vector<Spring> held = springs(holding_, tissue_.spec());
+  const std::vector<Spring> held = all_springs();
   return press_->ask(
       {tissue_.surface(), tissue_.version().model, tissue_.solver(), held, contacts_.contacts(), tissue_.body()},
       question, iterations);

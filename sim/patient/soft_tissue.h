@@ -22,6 +22,7 @@
 #include "sim/patient/press_probe.h"
 #include "sim/patient/publisher.h"
 #include "sim/patient/skin_loads.h"
+#include "sim/patient/soft_hold.h"
 #include "sim/patient/sutures.h"
 #include "sim/patient/tissue_cut.h"
 
@@ -83,6 +84,7 @@ class SoftTissue {
   std::vector<int> stitches_in_one_bank() const { return sutures_.in_one_bank(); }
   ContactCounts contact_counts() const { return contacts_.counts(); }       // what contact has cost so far, counted
   Vec3 collider_force_mN() const { return contacts_.collider_force_mN(); }  // sum, on the tissue
+  Vec3 soft_hold_force_mN() const { return soft_hold_.force_mN(); }         // the same, of springs that hold it softly
   /// Elastic energy, threads included (and weight and loads by what they have done), above that of the open wound: of
   /// the last state at rest (residual 1e-3) that neither hook nor stitch held. Nothing as long as there was none, or a
   /// hook still pulls. Cutting after it goes into the difference.
@@ -108,6 +110,7 @@ class SoftTissue {
   uint64_t seed() const;  // of the next cut
   /// What holds and loads the tissue, to the solver.
   void publish_holding();
+  std::vector<Spring> all_springs();
   TissueMoment moment() const;
   /// `parent`: per node of its model, the node of the present one (-1: none); empty when the model stays.
   void return_to(const TissueMoment& m, ParentList parent);
@@ -118,6 +121,7 @@ class SoftTissue {
   Hooks hooks_{tissue_, holding_};
   Sutures sutures_{tissue_, holding_};
   SkinLoads loads_{tissue_, holding_};
+  SoftHold soft_hold_{tissue_};
   ContactDriver contacts_{tissue_};
   mutable Publisher publisher_;
   std::unique_ptr<PressProbe> press_;   // absent until something presses

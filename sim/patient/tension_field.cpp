@@ -15,7 +15,7 @@ Mat3 prestretch_gradient(const Material& material, const Skin::Frame& frame) {
 }
 
 TensionField::TensionField(const SurfaceTopology& topology, const Skin& skin) {
-  const SharedArray<float>& depth = topology.depth_mm.get();
+  const SharedArray<float>& depth = topology.layers_mm.get();
   Skin::Near near;
   prestretch_.resize(topology.view.X_mm.size());
   for (size_t v = 0; v < prestretch_.size(); ++v) {

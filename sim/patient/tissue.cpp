@@ -207,6 +207,7 @@ Tissue::Drawn Tissue::draw_surface() {
   }
   d.on_skin = version_.on_skin;
   d.surface->depth_mm = depths_.follow(view, d.change, skin_, d.on_skin);
+  d.surface->layers_mm = skin_->even() ? d.surface->depth_mm : layers_.follow(view, d.change, skin_, d.on_skin);
   return d;
 }
 

@@ -101,7 +101,7 @@ class Tissue {
   TissueVersion version_;
   std::unique_ptr<ElasticSolver> solver_;
   const Look* look_ = nullptr;
-  PointDepths depths_;
+  PointDepths depths_, layers_{true};
   double initial_volume_mm3_ = 0;
   uint64_t next_version_ = 1;
   mutable uint64_t hash_ = 0, hash_version_ = 0;  // topology_hash() of that version

@@ -189,7 +189,8 @@ TEST(LayerLaws, PrestretchCountsAsStretch) {
 TEST(LayerLaws, TheSolverFindsTheUniformState) {
   for (const char* material :
        {"law = \"gasser-ogden-holzapfel\"\nmu_kPa = 15\nk1_kPa = 80\nk2 = 2\nkappa = 0.2\nfibre_angle_deg = 41\n",
-        "law = \"ogden\"\nmu_kPa = [3, -1]\nalpha = [9, -4]\n"}) {
+        "law = \"ogden\"\nmu_kPa = [3, -1]\nalpha = [9, -4]\n",
+        "law = \"strain-limited\"\nmu_kPa = 20\nstretch_least = 0.97\nstretch_most = 1.05\n"}) {
     FemModel m = model_of(scene_text(std::string(material) + "poisson = 0.49\n", 20));
     Vec3 lo = m.X_mm[0], hi = lo;
     for (const Vec3& X : m.X_mm) lo = lo.cwiseMin(X), hi = hi.cwiseMax(X);

@@ -32,6 +32,7 @@
 #include "calibration/calibration.h"
 #include "calibration/points_file.h"
 #include "sim/base/error.h"
+#include "sim/body/thickness.h"
 #include "sim/commands/script.h"
 #include "sim/imaging/register/landmark_pairs.h"
 #include "tests/app/import/peer_fixture.h"
@@ -344,6 +345,12 @@ std::vector<Entry> text_entries(const Folder& folder) {
   const auto laws = shipped_laws();
   std::vector<Entry> all;
   add_peer_entries(all);
+  all.push_back(text_entry("thickness", {"sim/body/thickness.cpp"}, {"# a face\n1 2 3 1.5\n-4, 5.5, 6, 2 # chin\n"},
+                           [](const std::string& text) -> std::string {
+                             for (const PlaceThickness& t : parse_thickness(text, kNamed))
+                               if (!t.at_mm.allFinite() || !(t.thickness_mm > 0)) return "a place without thickness";
+                             return "";
+                           }));
   all.push_back(text_entry("tissues", {"app/scene/tissues.cpp"}, {shipped("app/scene/tissues.toml")},
                            [laws](const std::string& text) -> std::string {
                              for (const NamedTissue& t : parse_tissues(text, kNamed, *laws).tissues)

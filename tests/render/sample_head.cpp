@@ -65,7 +65,7 @@ Snapshot sample_head(double moved_mm) {
                (X.y() < 0 ? 1 : 0);
       },
       [](const Vec3&) { return true; });
-  topology->depth_mm = depths;
+  topology->depth_mm = topology->layers_mm = depths;
   topology->version = 1, topology->hash = 0x4ead;
   s.topology = topology, s.topology_version = 1;
   return s;

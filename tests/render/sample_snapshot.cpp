@@ -64,7 +64,7 @@ Snapshot sample_snapshot(const SampleOptions& o) {
   body->surface.X_mm = {{-half, -half, 0}, {half, -half, 0}, {half, half, 0}, {-half, half, 0}};
   body->surface.tri = {{0, 1, 2}, {0, 2, 3}};
   body->surface.tag = {SurfaceTag::skin, SurfaceTag::skin};
-  topology->depth_mm = depths;
+  topology->depth_mm = topology->layers_mm = depths;
   topology->body = body;
   topology->version = 1;
   topology->hash = 0x5a5a + uint64_t(o.wound);

@@ -9,6 +9,7 @@
 #include "sim/base/error.h"
 #include "sim/fem/materials/fibres.h"
 #include "sim/fem/materials/isotropic.h"
+#include "sim/fem/materials/limited.h"
 #include "sim/fem/materials/muscle.h"
 
 namespace limberg {
@@ -98,6 +99,11 @@ LayerLaw ogden_terms(const LawCatalogue::Values& v) {
   return {0, ogden(std::move(terms)), 8};
 }
 
+LayerLaw limited_matrix(const LawCatalogue::Values& v) {
+  return {v.number("mu_kPa"),
+          stretch_limits(v.number("stretch_least"), v.number("stretch_most"), v.number("limit_kPa")), 8};
+}
+
 LawCatalogue make_shipped() {
   constexpr double stiffest = 1e8;  // kPa; above any tissue
   const LawCatalogue::Constant mu{"mu_kPa", 0, stiffest, true};
@@ -136,6 +142,14 @@ LawCatalogue make_shipped() {
          [](const LawCatalogue::Values& v) {
            return LayerLaw{0, mooney_rivlin(v.number("c10_kPa"), v.number("c01_kPa")), 8};
          }});
+  c.add({"strain-limited",
+         "matrix mu/2 (|F|^2 - 3) and, beyond stretch_least and stretch_most, limit_kPa/2 times the square of what a "
+         "principal stretch lies beyond: tissue that gives up to a length and then hardly",
+         {mu,
+          {"stretch_least", 0, 1, true, false, 0.5},
+          {"stretch_most", 1, 100, true, false, 1.5},
+          {"limit_kPa", 0, 1e5, true, false, 1000}},
+         limited_matrix});
   c.add({"corotated",
          "mu |F - R|^2: linear in the rotated frame; for comparison",
          {mu},

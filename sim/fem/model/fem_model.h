@@ -194,6 +194,7 @@ struct Spring {
   std::span<const HeldPlace> held_a() const { return a_wide.empty() ? std::span(&a, 1) : std::span(a_wide); }
   std::span<const HeldPlace> held_b() const { return b_wide.empty() ? std::span(&b, 1) : std::span(b_wide); }
   bool to_world = false;
+  bool lasting = false;  // it never moves and stays as long as the model: the metric takes it for a part of the tissue
   // to_world: the place that pulls a. Otherwise the gap still allowed, a - b at rest: zero once a stitch is tight.
   Vec3 target_mm = Vec3::Zero();
   double k_N_per_mm = 1;

@@ -160,7 +160,7 @@ void LbfgsSolver::set_springs(std::span<const Spring> springs) {
   history_.clear();
   make_loads(), loose_known_ = false;  // a piece may be held that was loose, or the other way round
   spring_rows_.clear();
-  for (const Spring& s : springs_) spring_rows_.push_back({spring_row(*model_, s), !s.to_world});
+  for (const Spring& s : springs_) spring_rows_.push_back({spring_row(*model_, s), s.lasting || !s.to_world});
   give_metric_springs();
 }
 

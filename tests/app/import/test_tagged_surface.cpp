@@ -37,7 +37,10 @@ TEST(TaggedSurface, EachMaterialIsWhatItIsSaidToBe) {
     return std::count(body.surface.tag.begin(), body.surface.tag.end(), t);
   };
   const long bone = 12 * 16 * 2, sides = 16 * 2 + 2 * 24 * 2;
-  EXPECT_EQ(count(b, SurfaceTag::fixed), bone + sides);
+  EXPECT_EQ(count(b, SurfaceTag::fixed), bone);
+  EXPECT_EQ(count(b, SurfaceTag::free), sides);
+  EXPECT_EQ(std::count(b.soft_kPa_mm.begin(), b.soft_kPa_mm.end(), 0.75f), sides);
+  EXPECT_EQ(std::count(b.soft_kPa_mm.begin(), b.soft_kPa_mm.end(), 0.0f), long(b.surface.tri.size()) - sides);
   EXPECT_EQ(count(b, SurfaceTag::skin), long(b.surface.tri.size()) - bone - sides);
   for (size_t t = 0; t < b.surface.tri.size(); ++t) {
     const Vec3& X = b.surface.X_mm[size_t(b.surface.tri[t][0])];
@@ -46,7 +49,7 @@ TEST(TaggedSurface, EachMaterialIsWhatItIsSaidToBe) {
     }
   }
   spec.tags[2].what = What::cut;
-  EXPECT_EQ(count(parse_obj(f.obj, spec), SurfaceTag::free), bone);
+  EXPECT_EQ(count(parse_obj(f.obj, spec), SurfaceTag::free), bone + sides);
   // A tag for each material, and none for others.
   spec.tags.pop_back();
   EXPECT_NE(refused([&] { parse_obj(f.obj, spec); }).find("material '7', which is not tagged"), std::string::npos);

@@ -10,6 +10,7 @@
 #include "sim/base/error.h"
 #include "sim/fem/materials/fibres.h"
 #include "sim/fem/materials/isotropic.h"
+#include "sim/fem/materials/limited.h"
 #include "sim/fem/materials/muscle.h"
 
 namespace limberg {
@@ -35,6 +36,7 @@ std::vector<Named> laws() {
           {"corotated full", corotated_full(20, 60)},
           {"StVK", st_venant_kirchhoff(20)},
           {"StVK full", st_venant_kirchhoff_full(20, 60)},
+          {"limits", stretch_limits(0.7, 1.3, 400)},
           {"fibres", fibres, false},
           {"fibres in a matrix", sum_of({neo_hookean(20), fibres}), false},
           {"active fibres", active_fibres(100, 0.4, {c, s, 0.3}), false}};
@@ -176,6 +178,19 @@ TEST(HomogeneousStates, NeoHookean) {  // in units of mu
   const Mat3 sigma = law->at(F).P_kPa * F.transpose();
   EXPECT_NEAR(sigma(0, 1), 0.7, 1e-12);
   EXPECT_NEAR(sigma(0, 0) - sigma(1, 1), 0.49, 1e-12);
+}
+
+// Within its limits a law with limits adds nothing; beyond them the nominal stress grows by limit_kPa.
+TEST(HomogeneousStates, LimitsOfStretch) {
+  const LawPtr law = stretch_limits(0.8, 1.25, 400);
+  EXPECT_EQ(law->at(Vec3(1.24, 0.81, 1.0).asDiagonal().toDenseMatrix()).P_kPa, Mat3(Mat3::Zero()));
+  const Mat3 P = law->at(Vec3(1.35, 0.7, 1.0).asDiagonal().toDenseMatrix()).P_kPa;
+  EXPECT_NEAR(P(0, 0), 40, 1e-12);
+  EXPECT_NEAR(P(1, 1), -40, 1e-12);
+  EXPECT_NEAR(P(2, 2), 0, 1e-12);
+  EXPECT_NEAR(law->at(Vec3(1.35, 0.7, 1.0).asDiagonal().toDenseMatrix()).energy_kPa, 4, 1e-12);
+  for (const auto& [least, most, k] : {std::array{1.0, 1.2, 1.0}, {0.8, 1.0, 1.0}, {0.0, 1.2, 1.0}, {0.8, 1.2, 0.0}})
+    EXPECT_THROW(stretch_limits(least, most, k), InputError);
 }
 
 TEST(HomogeneousStates, MooneyRivlinAndOgden) {

@@ -1,0 +1,154 @@
+#include "sim/body/thickness.h"
+
+#include <algorithm>
+#define BOOST_ALLOW_DEPRECATED_HEADERS  // Boost 1.74 includes its own, and says so
+#include <boost/geometry.hpp>
+#include <boost/geometry/index/rtree.hpp>
+#include <charconv>
+#include <cmath>
+#include <iterator>
+
+#include "sim/base/error.h"
+#include "sim/base/quoted.h"
+#include "sim/base/whole_file.h"
+#include "sim/body/body.h"
+#include "sim/geometry/sided_patch.h"
+
+namespace limberg {
+namespace {
+
+constexpr size_t kNearest = 8;
+constexpr const char* kRow = "expected four numbers: x y z thickness, in mm";
+
+namespace bg = boost::geometry;
+using Place = bg::model::point<double, 3, bg::cs::cartesian>;
+using Numbered = std::pair<Place, size_t>;
+
+Place place_of(const Vec3& X) { return {X.x(), X.y(), X.z()}; }
+
+/// Places with thicknesses, and what is between them.
+class Between {
+ public:
+  explicit Between(const std::vector<PlaceThickness>& points) : points_(points) {
+    std::vector<Numbered> all;
+    for (size_t i = 0; i < points.size(); ++i) all.emplace_back(place_of(points[i].at_mm), i);
+    tree_ = Tree(all);
+  }
+  double at(const Vec3& X) const {
+    std::vector<Numbered> found;
+    tree_.query(bg::index::nearest(place_of(X), unsigned(kNearest + 1)), std::back_inserter(found));
+    std::vector<std::pair<double, size_t>> near;  // distances
+    for (const auto& [at, i] : found) near.emplace_back((points_[i].at_mm - X).norm(), i);
+    std::sort(near.begin(), near.end());
+    if (near[0].first < 1e-6) return points_[near[0].second].thickness_mm;
+    const double R = near.size() > kNearest ? near.back().first : INFINITY;
+    double sum = 0, weights = 0;
+    for (const auto& [d, i] : near) {
+      const double root = std::isfinite(R) ? (R - d) / (R * d) : 1 / d;
+      sum += root * root * points_[i].thickness_mm, weights += root * root;
+    }
+    return weights > 0 ? sum / weights : points_[near[0].second].thickness_mm;
+  }
+
+ private:
+  using Tree = bg::index::rtree<Numbered, bg::index::rstar<16>>;
+  const std::vector<PlaceThickness>& points_;
+  Tree tree_;
+};
+
+std::vector<bool> corners_of_skin(const TriMesh& m) {
+  std::vector<bool> out(m.X_mm.size(), false);
+  for (size_t t = 0; t < m.tri.size(); ++t)
+    if (m.tag.empty() || m.tag[t] == SurfaceTag::skin)
+      for (const int32_t v : m.tri[t]) out[size_t(v)] = true;
+  return out;
+}
+
+std::vector<float> down_to(const ThicknessSpec& spec, const Body& body, size_t layer) {
+  ColliderSpec file;
+  file.path = spec.down_to, file.scale_to_mm = spec.scale_to_mm, file.closed = false;
+  file.what = "surface that a layer ends on";
+  const std::shared_ptr<const Collider> end = load_collider(file);
+  const Bvh surface(end->mesh.X_mm, end->mesh.tri);
+  const TriMesh& m = body.surface;
+  const std::vector<bool> is_skin = corners_of_skin(m);
+  std::vector<int32_t> skin;
+  for (size_t t = 0; t < m.tri.size(); ++t)
+    if (m.tag.empty() || m.tag[t] == SurfaceTag::skin) skin.push_back(int32_t(t));
+  std::vector<float> out(m.X_mm.size(), float(body.layers[layer].thickness_mm));
+  if (skin.empty()) return out;
+  const SidedPatch patch(m, skin);
+  size_t all = 0, met = 0;
+  for (size_t v = 0; v < m.X_mm.size(); ++v) {
+    if (!is_skin[v]) continue;
+    double above = 0;
+    for (size_t l = 0; l < layer; ++l) above += body.layer_thickness_mm(l, int32_t(v));
+    const std::vector<Bvh::LineHit> hits =
+        surface.line(m.X_mm[v], -patch.corner_normal(int32_t(v)), 0, above + ThicknessLimits::most_mm);
+    ++all, met += !hits.empty();
+    const double deep = hits.empty() ? surface.closest(m.X_mm[v]).distance_mm : hits[0].t;
+    if (deep - above > ThicknessLimits::most_mm)
+      throw InputError(spec.down_to, 0,
+                       "lies " + std::to_string(int(deep)) + " mm from a place of the skin; expected at most " +
+                           std::to_string(int(ThicknessLimits::most_mm)) + " mm of a layer");
+    out[v] = float(std::max(deep - above, ThicknessLimits::least_mm));
+  }
+  if (2 * met < all)
+    throw InputError(spec.down_to, 0,
+                     "lies beneath " + std::to_string(met) + " of " + std::to_string(all) +
+                         " corners of the skin; expected a surface below at least half of it, in the same frame");
+  return out;
+}
+
+}  // namespace
+
+std::vector<PlaceThickness> parse_thickness(std::string_view text, const std::string& file) {
+  std::vector<PlaceThickness> out;
+  int line = 0;
+  while (!text.empty()) {
+    ++line;
+    const size_t end = std::min(text.find('\n'), text.size());
+    std::string_view row = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    row = row.substr(0, row.find('#'));
+    double value[4];
+    size_t given = 0;
+    const auto fail = [&](const std::string& what) { throw InputError(file, line, what + "; " + kRow); };
+    for (const char* at = row.data(); at != row.data() + row.size();) {
+      if (*at == ' ' || *at == '\t' || *at == ',' || *at == '\r') {
+        ++at;
+        continue;
+      }
+      if (given == 4) fail("holds more than four numbers");
+      const auto [next, error] = std::from_chars(at, row.data() + row.size(), value[given]);
+      const bool ends =
+          next == row.data() + row.size() || *next == ' ' || *next == '\t' || *next == ',' || *next == '\r';
+      if (error != std::errc() || !ends || !std::isfinite(value[given])) fail("holds something that is no number");
+      ++given, at = next;
+    }
+    if (given == 0) continue;
+    if (given < 4) fail("holds " + std::to_string(given) + " numbers");
+    const Vec3 X(value[0], value[1], value[2]);
+    if (X.cwiseAbs().maxCoeff() > 1e4) fail("is farther than 10 m from the origin");
+    if (!(value[3] >= ThicknessLimits::least_mm && value[3] <= ThicknessLimits::most_mm))
+      fail("has a thickness that is not from 0.1 to 100 mm");
+    if (out.size() == ThicknessLimits::points) fail("is one place more than " + std::to_string(out.size()));
+    out.push_back({X, value[3]});
+  }
+  if (out.empty()) throw InputError(file, 0, std::string("holds no place; ") + kRow + " in every line");
+  return out;
+}
+
+std::vector<float> thickness_of(const ThicknessSpec& spec, const Body& body, size_t layer) {
+  if (!spec.down_to.empty()) return down_to(spec, body, layer);
+  std::vector<PlaceThickness> points = spec.points;
+  if (!spec.file.empty())
+    points =
+        parse_thickness(read_whole_file(spec.file, ThicknessLimits::file_bytes, "thicknesses of a layer"), spec.file);
+  const Between between(points);
+  std::vector<float> out;
+  for (const Vec3& X : body.surface.X_mm) out.push_back(float(between.at(X)));
+  return out;
+}
+
+}  // namespace limberg
