@@ -16,6 +16,7 @@
 #include "app/result/output.h"
 #include "app/result/progress.h"
 #include "app/result/tables.h"
+#include "app/scene/first_scene.h"
 #include "app/scene/tissues.h"
 #include "app/session/clock.h"
 #include "app/session/workers_pool.h"
@@ -462,7 +463,31 @@ int check_recording(const std::string& file, bool with_plan, int workers) {
 }
 
 /// A volume (or a folder of DICOM slices) or a scan; false: something else.
-bool check_image(const std::string& file, const std::string& series) {
+/// A surface of one's own: whether it can be the body of a scene; and such a scene, if one is asked for.
+void check_surface(const std::string& file, const std::string& text, const std::string& scene_file, bool may_be_open) {
+  ObjSpec spec;
+  spec.path = file;
+  spec.layers.resize(1);
+  SurfaceReport report;
+  Body body;
+  try {
+    body = parse_obj(text, spec, &report);
+  } catch (const InputError& e) {
+    if (!may_be_open || !scene_file.empty()) throw;
+    std::printf("body        none: %s\n", e.what());
+    return;
+  }
+  print_surface(report);
+  if (scene_file.empty()) return;
+  namespace fs = std::filesystem;
+  std::error_code ec;
+  if (fs::exists(scene_file, ec)) throw InputError(scene_file, 0, "exists already; expected the name of a new file");
+  const fs::path beside = fs::absolute(scene_file).parent_path();
+  write_whole_file(scene_file, first_scene(body, fs::absolute(file).lexically_relative(beside).string(), 1));
+  std::printf("scene       %s; limberg run %s operates on it\n", scene_file.c_str(), scene_file.c_str());
+}
+
+bool check_image(const std::string& file, const std::string& series, const std::string& scene_file) {
   std::error_code ec;
   const bool folder = std::filesystem::is_directory(file, ec);
   const auto ends = [&](std::initializer_list<const char*> list) {
@@ -475,6 +500,8 @@ bool check_image(const std::string& file, const std::string& series) {
     std::printf("%s %zu points, %zu triangles\nsize        %.1f x %.1f x %.1f mm\n",
                 s.tri.empty() ? "scan       " : "surface    ", s.x_mm.size(), s.tri.size(), high.x() - low.x(),
                 high.y() - low.y(), high.z() - low.z());
+    if (!s.tri.empty())
+      check_surface(file, read_whole_file(file, ObjLimits::file_bytes, "a surface"), scene_file, true);
     return true;
   }
   // (The slices of a disc have names of any kind.)
@@ -505,12 +532,24 @@ std::string meant(const std::string& given) {
   return scene.empty() ? file : scene;
 }
 
-int check(const std::string& given, const std::string& series, bool with_plan, const std::string& svg, int workers) {
+struct CheckOptions {
+  std::string file, draw, series, scene;
+  bool plan = false;
+  CommonOptions common;
+};
+
+int check(const CheckOptions& o) {
+  const std::string &given = o.file, &series = o.series, &svg = o.draw, &scene_file = o.scene;
+  const bool with_plan = o.plan;
+  const int workers = o.common.worker_count();
   const std::string file = meant(given);
-  if (check_image(file, series)) return kDone;
+  if (check_image(file, series, scene_file)) return kDone;
   if (begins_recording(read_beginning(file, kBeginning))) return check_recording(file, with_plan, workers);
   const std::string text = read_whole_file(file, size_t(1) << 30);
-  switch (recognise(file, text)) {
+  const Kind kind = recognise(file, text);
+  if (!scene_file.empty() && kind != Kind::surface)
+    throw InputError(file, 0, "is no surface; --scene writes a scene for an OBJ, PLY or STL file");
+  switch (kind) {
     case Kind::recording:
       return check_recording(file, with_plan, workers);
     case Kind::repro:
@@ -538,15 +577,9 @@ int check(const std::string& given, const std::string& series, bool with_plan, c
                     c.distortion.nodes[2]);
       break;
     }
-    case Kind::surface: {
-      ObjSpec spec;
-      spec.path = file;
-      spec.layers.resize(1);
-      SurfaceReport report;
-      parse_obj(text, spec, &report);
-      print_surface(report);
+    case Kind::surface:
+      check_surface(file, text, scene_file, false);
       break;
-    }
     case Kind::simplex_mesh: {
       const simplex::Census c = simplex::census(simplex::parse_mesh(text, file));
       std::printf("simplex     %lld vertices, %lld faces, %lld parts, genus %lld, %lld end contours\n",
@@ -571,12 +604,7 @@ int check(const std::string& given, const std::string& series, bool with_plan, c
 }  // namespace
 
 void add_check(CLI::App& app, Chosen& chosen) {
-  struct Options {
-    std::string file, draw, series;
-    bool plan = false;
-    CommonOptions common;
-  };
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<CheckOptions>();
   CLI::App* c = app.add_subcommand("check", "Say what a file holds and whether it is sound");
   c->add_option("FILE", o->file,
                 "Scene, lesson, library of tissues, script, repro, recording, calibration, OBJ surface or simplex "
@@ -588,12 +616,14 @@ void add_check(CLI::App& app, Chosen& chosen) {
               "Of a scene: build it and say parts, nodes, memory, time of a step. Of a script or lesson: where its "
               "angles do not add up, so that the skin will stand up or be drawn tight");
   c->add_option("--draw", o->draw, "Draw the plan of a script or lesson, with what it foretells")->type_name("SVG");
+  c->add_option("--scene", o->scene,
+                "Of a closed surface (OBJ, PLY, STL) in mm: also write a scene to begin with, that has it as its body")
+      ->type_name("TOML");
   o->common.add_workers(*c);
   c->footer(
       "Exit status 3: a recording is damaged, but what is whole can be replayed.\n"
       "Example: limberg check app/scenes/rhomboid.toml --plan");
-  c->callback(
-      [o, &chosen] { chosen = [o] { return check(o->file, o->series, o->plan, o->draw, o->common.worker_count()); }; });
+  c->callback([o, &chosen] { chosen = [o] { return check(*o); }; });
 }
 
 }  // namespace limberg

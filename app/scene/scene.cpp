@@ -82,7 +82,7 @@ void read_body(Table t, Scene& s, const std::string& file) {
   } else if (source == "obj") {
     s.source = Scene::Source::obj;
     s.obj.tension_direction = tension;
-    if (!t.has("mesh")) t.fail("mesh", "is missing; expected the path of an OBJ file");
+    if (!t.has("mesh")) t.fail("mesh", "is missing; expected the path of an OBJ, PLY or STL file");
     t.path("mesh", s.obj.path);
     if (t.has("texture")) t.path("texture", s.texture);
     t.real("scale_to_mm", s.obj.scale_to_mm, 0, 1e6, true);
@@ -223,7 +223,7 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
   h.add(text);
   if (!s.tissues.empty()) h.add(s.tissues);
   if (s.source == Scene::Source::obj)
-    h.add(read_whole_file(s.obj.path, ObjLimits::file_bytes, "the OBJ surface that the scene names"));
+    h.add(read_whole_file(s.obj.path, ObjLimits::file_bytes, "the surface that the scene names"));
   for (const ColliderSpec& c : s.colliders)
     h.add(read_whole_file(c.path, ObjLimits::file_bytes, "a collider that the scene names"));
   for (const RegionSpec& r : s.regions)
@@ -271,6 +271,8 @@ constexpr size_t kMostMaterial = size_t(1) << 20;
 /// The picture laid on a surface: what the scene says, else a PNG or JPEG that its material file names, if it is there.
 std::string picture_on(const Scene& scene) {
   if (scene.source != Scene::Source::obj || !scene.texture.empty()) return scene.texture;
+  std::string kind = fs::path(scene.obj.path).extension().string();
+  if (kind != ".obj" && kind != ".OBJ") return {};
   const std::string materials =
       materials_of_obj(read_whole_file(scene.obj.path, ObjLimits::file_bytes, "an OBJ surface"));
   std::error_code ec;
@@ -300,6 +302,7 @@ std::shared_ptr<const Body> build_body(const Scene& scene, SurfaceReport* report
     auto body = std::make_shared<Body>(load_obj(scene.obj, report));
     body->name = scene.name;
     body->laws = scene.laws;
+    if (!scene.texture.empty()) body->rgb.clear();  // a picture is finer
     for (const ColliderSpec& c : scene.colliders) body->colliders.push_back(load_collider(c));
     add_thickness(scene, *body);
     add_regions(scene, *body);

@@ -36,8 +36,9 @@ struct Body {
   std::vector<std::shared_ptr<const Region>> regions;      // tissue of its own, later ones over earlier ones
   std::vector<std::string> paints;                         // materials that an OBJ names
   std::vector<int32_t> paint_of;  // per triangle of the surface its material in `paints`; -1: none
-  std::vector<float>
-      soft_kPa_mm;  // per triangle of the surface: springs that hold it, 0 where none do; empty: no springs
+  // Per triangle of the surface: springs that hold it, 0 where none do; empty: no springs.
+  std::vector<float> soft_kPa_mm;
+  std::vector<Vec3f> rgb;  // per vertex of the surface its own colour, sRGB, 0 to 1; empty: it looks like skin
   Vec3 tension_direction = Vec3::UnitX();
   Vec3 box_min_mm = Vec3::Zero(), box_max_mm = Vec3::Zero();
   bool is_box = false;  // an axis-aligned block: the lattice is fitted to it exactly

@@ -7,11 +7,12 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <span>
 #include <vector>
 
 #include "sim/base/error.h"
 #include "sim/base/whole_file.h"
-#include "sim/geometry/io/obj_text.h"
+#include "sim/geometry/io/mesh_file.h"
 #include "sim/geometry/triangle.h"
 
 namespace limberg {
@@ -44,8 +45,8 @@ std::shared_ptr<const Collider> load_collider(const ColliderSpec& spec) {
 }
 
 std::shared_ptr<const Collider> parse_collider(std::string_view text, const ColliderSpec& spec) {
-  const ObjText read = parse_obj_text(text, spec.path, kMostText);
-  if (read.face.empty()) throw InputError(spec.path, 0, "no faces; expected an OBJ file with v and f statements");
+  const ObjText read = parse_mesh_file(text, spec.path, kMostText);
+  if (read.face.empty()) throw InputError(spec.path, 0, "no faces; expected a surface in an OBJ, PLY or STL file");
   auto c = std::make_shared<Collider>();
   c->name = std::filesystem::path(spec.path).stem().string(), c->colour = spec.colour, c->rgb = read.rgb;
   TriMesh& m = c->mesh;

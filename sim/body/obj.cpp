@@ -13,7 +13,7 @@
 #include "sim/base/quoted.h"
 #include "sim/base/whole_file.h"
 #include "sim/body/block.h"
-#include "sim/geometry/io/obj_text.h"
+#include "sim/geometry/io/mesh_file.h"
 #include "sim/geometry/triangle.h"
 
 namespace limberg {
@@ -25,6 +25,7 @@ struct RawMesh {
   std::vector<Eigen::Vector2f> vt;
   std::vector<std::array<Corner, 3>> tri;
   std::vector<int32_t> line, material;  // per triangle
+  std::vector<Vec3f> rgb;               // per vertex, or none
 };
 
 // Cuts a polygon into triangles by clipping ears in the plane of its mean (Newell) normal.
@@ -72,9 +73,9 @@ class Clipper {
 };
 
 RawMesh cut_into_triangles(ObjText& text, const std::string& file) {
-  if (text.v.empty()) throw InputError(file, 0, "no vertices; expected an OBJ file with v and f statements");
-  if (text.face.empty()) throw InputError(file, 0, "no faces; expected an OBJ file with v and f statements");
-  RawMesh mesh{std::move(text.v), std::move(text.vt), {}, {}, {}};
+  if (text.v.empty()) throw InputError(file, 0, "no vertices; expected a surface in an OBJ, PLY or STL file");
+  if (text.face.empty()) throw InputError(file, 0, "no faces; expected a surface in an OBJ, PLY or STL file");
+  RawMesh mesh{std::move(text.v), std::move(text.vt), {}, {}, {}, std::move(text.rgb)};
   Clipper clip;
   std::vector<Vec3> points;
   std::vector<std::array<int, 3>> ears;
@@ -159,6 +160,7 @@ void to_grid(RawMesh& raw, const ObjSpec& spec, Body& body, std::vector<int32_t>
     if (used[i] && twin[i] == int32_t(i)) {  // in the order of the file
       first[i] = int32_t(m.X_mm.size());
       m.X_mm.push_back(body.grid.to_mm(body.grid.to_grid(raw.v[i])));
+      if (!raw.rgb.empty()) body.rgb.push_back(raw.rgb[i]);
     }
   for (size_t t = 0; t < raw.tri.size(); ++t) {
     Tri tri;
@@ -237,7 +239,7 @@ Body parse_obj(std::string_view text, const ObjSpec& spec, SurfaceReport* report
   check(spec);
   if (text.size() > ObjLimits::file_bytes) throw InputError(spec.path, 0, "the file is larger than 512 MB");
   constexpr ObjTextLimits kLimits{ObjLimits::vertices, ObjLimits::triangles, ObjLimits::polygon_corners};
-  ObjText read = parse_obj_text(text, spec.path, kLimits);
+  ObjText read = parse_mesh_file(text, spec.path, kLimits);
   RawMesh raw = cut_into_triangles(read, spec.path);
   Body body;
   std::vector<int32_t> lines, materials;

@@ -1,9 +1,9 @@
 #pragma once
-// A patient from a closed surface in a Wavefront OBJ file.
+// A patient from a closed surface in a Wavefront OBJ, a PLY or an STL file (geometry/io/mesh_file.h).
 //
 // Polygons are cut into triangles in their own plane. Vertices are scaled to mm, snapped to the even rest grid (the
 // finest unit that the size allows), equal ones are welded, triangles that collapse by that are dropped, and the result
-// is validated exactly. geometry/io/obj_text.h says which statements are read.
+// is validated exactly. Materials, and with them tags, are the OBJ's alone; OBJ and PLY may have colours of vertices.
 #include <cstdint>
 #include <limits>
 #include <optional>

@@ -5,7 +5,9 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <optional>
 
+#include "sim/geometry/bvh.h"
 #include "sim/geometry/polyline.h"
 #include "sim/geometry/triangle.h"
 #include "sim/measure/attached.h"
@@ -85,9 +87,29 @@ DogEar dog_ear(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin&
   return d;
 }
 
+namespace {
+
+/// Of the skin at rest, what has a corner in the box.
+Bvh skin_within(const SurfaceView& view, const Vec3& low_mm, const Vec3& high_mm) {
+  std::vector<Tri> tri;
+  for (size_t t = 0; t < view.tri.size(); ++t) {
+    const Tri& c = view.tri[t];
+    const auto inside = [&](int32_t v) {
+      const Vec3& X = view.X_mm[size_t(v)];
+      return (X.array() >= low_mm.array()).all() && (X.array() <= high_mm.array()).all();
+    };
+    if (view.kind[t] == FaceKind::skin && std::any_of(c.begin(), c.end(), inside)) tri.push_back(c);
+  }
+  return Bvh(view.X_mm.flat(), tri);
+}
+
+}  // namespace
+
 WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
   constexpr double kOwn_mm = 3, kTouch_mm = 2, kCos = 0.5, kFar_mm = 100;
   constexpr double kBehind_mm = 3, kBehindCos = 0.05, kSame_mm = 0.1;  // at rest
+  // The middle of a strip's width lies on its skin, but for its bend: that of a quarter circle is .2 of its chord off.
+  constexpr double kStrip = 0.25;
   constexpr double kBefore_mm = 0.2;
   struct Rim {
     int32_t a, b;
@@ -142,6 +164,16 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
     loop_length.push_back(s);
   }
 
+  std::optional<Bvh> skin_at_rest;
+  const auto skin_near = [&](const Vec3& X, double within_mm) {
+    if (!skin_at_rest) {
+      Vec3 low = Vec3::Constant(INFINITY), high = -low;
+      for (const Rim& r : rim) low = low.cwiseMin(r.rest_middle), high = high.cwiseMax(r.rest_middle);
+      const Vec3 around = Vec3::Constant(2 * kBehind_mm);
+      skin_at_rest.emplace(skin_within(view, low - around, high + around));
+    }
+    return skin_at_rest->closest(X, within_mm).triangle >= 0;
+  };
   WoundGape g;
   std::vector<std::pair<double, double>> gapes, steps;
   std::vector<std::pair<double, Vec3>> at;
@@ -157,9 +189,12 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
         const double along = std::abs(o.s - r.s);
         if (std::min(along, loop_length[size_t(r.loop)] - along) < kOwn_mm) continue;  // the same bank
       }
-      // The other side of a flap's tip, or of a narrow strip, is no bank: at rest it lies behind one's back.
+      // The other side of a flap's tip, or of a narrow strip, is no bank: at rest it lies behind one's back, with skin
+      // between. (What lies there beyond a slit, as the other lip does at the mouth's corner, is one.)
       const Vec3 D = o.rest_middle - r.rest_middle;
-      if (D.norm() < kBehind_mm && -D.dot(r.rest_out) > std::max(kSame_mm, kBehindCos * D.norm())) continue;
+      if (D.norm() < kBehind_mm && -D.dot(r.rest_out) > std::max(kSame_mm, kBehindCos * D.norm()) &&
+          skin_near(0.5 * (r.rest_middle + o.rest_middle), kStrip * D.norm()))
+        continue;
       const Vec3 e = o.q - o.p;
       const double ee = e.squaredNorm(), t = ee > 0 ? std::clamp((m - o.p).dot(e) / ee, 0.0, 1.0) : 0;
       const Vec3 d = o.p + t * e - m;

@@ -385,7 +385,7 @@ TEST(Scene, FilesThatAreNoScenes) {
     ADD_FAILURE();
   } catch (const InputError& e) {
     EXPECT_NE(
-        std::string(e.what()).find("craniofacial, ear, face, face_side, head, lids, lips, mouth, nose, prognathic, "
+        std::string(e.what()).find("craniofacial, ear, face, face_side, forehead_flap, head, lids, lips, mouth, nose, prognathic, "
                                    "retrognathic, rhomboid, scalp, zplasty"),
         std::string::npos)
         << e.what();

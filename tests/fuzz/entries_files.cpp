@@ -27,8 +27,8 @@ const std::map<std::string, std::vector<std::string>> kReads{
     {"MetaImage", {"sim/imaging/io/volume.cpp", "sim/imaging/io/header.cpp"}},
     {"NIfTI", {"sim/imaging/io/nifti.cpp", "sim/imaging/io/volume.cpp"}},
     {"DICOM", {"sim/imaging/io/dicom_folder.cpp", "sim/imaging/io/dicom_file.cpp", "sim/imaging/io/dicom_pixels.cpp"}},
-    {"PLY", {"sim/imaging/io/surface_file.cpp"}},
-    {"STL", {"sim/imaging/io/surface_file.cpp"}},
+    {"PLY", {"sim/imaging/io/surface_file.cpp", "sim/geometry/io/mesh_file.cpp"}},
+    {"STL", {"sim/imaging/io/surface_file.cpp", "sim/geometry/io/mesh_file.cpp"}},
     {"OBJ", {"sim/imaging/io/surface_file.cpp", "sim/geometry/io/obj_text.cpp"}},
     {"xyz", {"sim/imaging/io/surface_file.cpp"}},
     {"simplex", {"sim/skull/simplex/file.cpp"}},
@@ -64,8 +64,12 @@ Entry reader_entry(const bench::Reader& reader, const Folder& folder) {
 
 /// A surface as the body of a patient: snapped, welded and validated exactly.
 Entry body_entry() {
-  return text_entry("body", {"sim/body/obj.cpp", "sim/geometry/io/obj_text.cpp"},
-                    {"v 0 0 0\nv 30 0 0\nv 0 20 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"},
+  return text_entry("body", {"sim/body/obj.cpp", "sim/geometry/io/obj_text.cpp", "sim/geometry/io/mesh_file.cpp"},
+                    {"v 0 0 0\nv 30 0 0\nv 0 20 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n",
+                     "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float "
+                     "z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nelement face 4\nproperty list "
+                     "uchar int vertex_indices\nend_header\n0 0 0 255 0 0\n30 0 0 0 255 0\n0 20 0 0 0 255\n0 0 10 9 9 "
+                     "9\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n"},
                     [](const std::string& text) -> std::string {
                       ObjSpec spec;
                       spec.path = kNamed;

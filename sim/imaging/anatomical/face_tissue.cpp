@@ -38,6 +38,8 @@ constexpr double kThin = 0.8, kDeepEdge_mm = 4.5;                      // wanted
 // Lips that are parted: the slit between them, its edges, and how deep skin goes on over a lip's edge before it is
 // mucosa.
 constexpr double kParted_mm = 1.6, kMargin_mm = 0.5, kRedLip_mm = 7;
+// Where the mouth's bed ends below, beside the chin, the tissue over it is hardly thicker than a cell of the grid.
+const SmallCells kOverBedsEnd{{28.7, 74, -88.4}, 7, 1.5};
 // A lip is 11 to 13 mm thick (as remembered of Stephan and Simpson 2008), less than a cheek.
 constexpr double kThinner_mm = 6, kBeforeBed_mm = 0.4;
 // What looks into the mouth lies deeper than this. The vestibule behind the lips: half its width, its folds above and
@@ -133,7 +135,11 @@ Opening between_lips(const SkinShape& skin) {
     const Vec2 off(p.x() / 30, (p.z() - Mouth::line_mm(0)) / 18);
     return kThinner_mm * elementary::exp(-off.squaredNorm());
   };
-  o.cell = [](const Vec3& p) { return std::max(1., 0.7 * Mouth::slit(p, kParted_mm)); };
+  o.cell = [](const Vec3& p) {
+    const double off = (Vec3(std::abs(p.x()), p.y(), p.z()) - kOverBedsEnd.c).norm() - kOverBedsEnd.r;
+    return std::min(std::max(1., 0.7 * Mouth::slit(p, kParted_mm)),
+                    kOverBedsEnd.cell + kCellSpread * std::max(0., off));
+  };
   o.free_behind = in_vestibule;
   o.pictured = [&skin](const Vec3& p) { return skin(p) < -kInMouth_mm && in_vestibule(p) ? as_red_lip(p) : p; };
   o.before_bed_mm = kBeforeBed_mm, o.edge_mm = kMargin_mm, o.skin_mm = kRedLip_mm, o.bed_part = FacePart::deep;

@@ -173,6 +173,16 @@ TEST(WoundGape, TheOtherSideOfATipIsNoBank) {
 }
 
 // A chip that was cut off and flew away is no open wound; one that lies in its place is looked at.
+// Beyond a slit, as between two lips, lies another bank, though it lay a little behind one's back at rest.
+TEST(WoundGape, WhatLayBeyondASlitIsABank) {
+  SurfaceView v = two_banks(30);
+  for (size_t i = v.X_mm.size() / 2; i < v.X_mm.size(); ++i) v.X_mm.set(i, v.X_mm[i] + Vec3(-1, 0, -1.6));
+  const auto x = deformed(v, [](const Vec3& X) { return X.z() < -1 ? Vec3(X + Vec3(1.3, 0, 1.6)) : X; });
+  const WoundGape g = wound_gape(v, x);
+  EXPECT_NEAR(g.gape_mm, 0.3, 1e-5);
+  EXPECT_EQ(g.open_mm, 0);
+}
+
 TEST(WoundGape, AChipThatNothingHoldsAndThatLiesElsewhereIsNone) {
   SurfaceView v = two_banks(20);
   const auto half = int32_t(v.X_mm.size() / 2);
