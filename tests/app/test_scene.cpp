@@ -384,10 +384,10 @@ TEST(Scene, FilesThatAreNoScenes) {
     find_scene("rhombus", {kScenes});
     ADD_FAILURE();
   } catch (const InputError& e) {
-    EXPECT_NE(
-        std::string(e.what()).find("craniofacial, ear, face, face_side, forehead_flap, head, lids, lips, mouth, nose, prognathic, "
-                                   "retrognathic, rhomboid, scalp, zplasty"),
-        std::string::npos)
+    EXPECT_NE(std::string(e.what()).find(
+                  "craniofacial, ear, face, face_side, forehead_flap, head, lids, lips, mouth, nose, prognathic, "
+                  "retrognathic, rhomboid, scalp, zplasty"),
+              std::string::npos)
         << e.what();
   }
 }
