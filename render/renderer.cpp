@@ -18,7 +18,6 @@ namespace {
 
 constexpr int kShadowSize = 2048, kLiveShadowSize = 1024;
 constexpr float kLayerRange_mm = 16;
-const Vec3f kKeyDirection = Vec3f(-0.62f, 0.44f, 0.65f).normalized();
 
 Vec3f unit_rgb(Rgb8 c) { return Vec3f(float(c.r), float(c.g), float(c.b)) / 255.0f; }
 
@@ -28,12 +27,14 @@ float root_of_light(uint8_t c) {
   return float(std::sqrt(linear_light(double(v))));
 }
 
+Vec3f lamp_of(const RenderScene& scene) { return scene.mesh ? scene.mesh->lamp : kLamp; }
+
 // The lamp's view: an orthographic box around the scene, looking along the light.
 Mat4f light_matrix(const RenderScene& scene) {
   Vec3f lo = scene.bounds_min, hi = scene.bounds_max;
   const Vec3f centre = 0.5f * (lo + hi);
   const float r = std::max(0.5f * (hi - lo).norm(), 1.0f);
-  const Vec3f back = kKeyDirection, right = Vec3f(Vec3f::UnitY().cross(back)).normalized(), up = back.cross(right);
+  const Vec3f back = lamp_of(scene), right = Vec3f(Vec3f::UnitY().cross(back)).normalized(), up = back.cross(right);
   Mat4f m = Mat4f::Identity();
   m.block<1, 3>(0, 0) = right.transpose() / r;
   m.block<1, 3>(1, 0) = up.transpose() / r;
@@ -298,7 +299,7 @@ struct Renderer::Impl {
     p.use();
     p.set("to_clip", Mat4f(view.projection * view.to_eye));
     p.set("eye", view.eye_mm);
-    p.set("key_direction", kKeyDirection);
+    p.set("key_direction", uploaded->lamp);
     p.set("to_light", to_light);
     p.set("shadow_map", 0);
     p.set("shadow_texel", 1.0f / float(o.still ? kShadowSize : kLiveShadowSize));

@@ -1,10 +1,12 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 #include <span>
 
 #include "render/render_scene.h"
 #include "sim/geometry/polyline.h"
+#include "sim/geometry/triangle.h"
 
 namespace limberg {
 
@@ -89,6 +91,36 @@ void measure_rim(const SurfaceView& view, TissueMesh& mesh, Part part, const std
 
 }  // namespace
 
+namespace {
+
+/// The way that skin beside cuts faces at rest, in steps of some degrees: a lamp is not moved for every cut. None where
+/// it faces every way, as that of a lip that is cut through does.
+std::optional<Vec3> wound_normal(const SurfaceView& view) {
+  Vec3 sum = Vec3::Zero();
+  double count = 0;
+  for (size_t t = 0; t < view.rim.size(); ++t) {
+    if (view.rim[t] == 0 || view.kind[t] != FaceKind::skin) continue;
+    const Tri& c = view.tri[t];
+    sum += area_vector2(view.X_mm[size_t(c[0])], view.X_mm[size_t(c[1])], view.X_mm[size_t(c[2])]).normalized();
+    ++count;
+  }
+  constexpr double kStep = 0.2, kAgree = 0.7;
+  if (!(count > 0 && sum.norm() > kAgree * count)) return std::nullopt;
+  const Vec3 rounded = (sum.normalized() / kStep).array().round() * kStep;
+  return rounded.normalized();
+}
+
+Vec3f lamp_over(const Body& body, const Vec3& normal) {
+  Vec3 up = body.chart_e2 - body.chart_e2.dot(normal) * normal;
+  if (up.norm() < 0.2) up = body.chart_normal() - body.chart_normal().dot(normal) * normal;  // skin that faces up
+  up.normalize();
+  return (double(kLamp.x()) * up.cross(normal) + double(kLamp.y()) * up + double(kLamp.z()) * normal)
+      .cast<float>()
+      .normalized();
+}
+
+}  // namespace
+
 TissueMesh make_tissue_mesh(const SurfaceTopology& topology) {
   const SurfaceView& view = topology.view;
   const SharedArray<float>& depth = topology.layers_mm.get();
@@ -99,6 +131,7 @@ TissueMesh make_tissue_mesh(const SurfaceTopology& topology) {
   if (topology.body) {
     const Body& body = *topology.body;
     mesh.layers = body.layers;
+    mesh.lamp = lamp_over(body, wound_normal(view).value_or(body.chart_normal()));
     const Eigen::Vector2d along(body.tension_direction.dot(body.chart_e1), body.tension_direction.dot(body.chart_e2));
     if (along.norm() > 1e-3) mesh.tension_chart = along.normalized().cast<float>();
   }

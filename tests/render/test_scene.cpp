@@ -513,5 +513,29 @@ TEST(TissueMesh, BoneKnowsHowFarItIsFromTheSaw) {
     EXPECT_NEAR(m.rim_mm[v], m.part[v] == Part::bone ? wanted[m.source[v]] : kRimReach_mm, 1e-5f) << m.source[v];
 }
 
+// The lamp stands over the upper left of what is operated on, whichever way that faces.
+TEST(Scene, TheLampLooksAtTheWound) {
+  const auto lamp = [](const Vec3& out, const Vec3& up, bool cut) {
+    SurfaceTopology top;
+    auto body = std::make_shared<Body>();
+    body->chart_e1 = Vec3::UnitX(), body->chart_e2 = Vec3::UnitY();
+    top.body = body;
+    const Vec3 right = up.cross(out);
+    for (const Vec3& X : {Vec3(0, 0, 0), right, up}) top.view.X_mm.push_back(X);
+    top.view.tri.push_back({0, 1, 2}), top.view.kind.push_back(FaceKind::skin);
+    top.view.rim.push_back(cut ? 1 : 0);
+    top.depth_mm = top.layers_mm = SharedArray<float>(3, 0);
+    return make_tissue_mesh(top).lamp;
+  };
+  EXPECT_LT((lamp(Vec3::UnitZ(), Vec3::UnitY(), true) - kLamp).norm(), 1e-6f);
+  EXPECT_LT((lamp(Vec3::UnitX(), Vec3::UnitY(), false) - kLamp).norm(), 1e-6f);  // nothing is cut yet
+  for (const Vec3& out : {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 0, -1)}) {
+    const Vec3f at = lamp(out, Vec3::UnitY(), true);
+    EXPECT_NEAR(at.dot(out.cast<float>()), kLamp.z(), 1e-6f);
+    EXPECT_NEAR(at.y(), kLamp.y(), 1e-6f);
+    EXPECT_NEAR(at.dot(Vec3(Vec3::UnitY().cross(out)).cast<float>()), kLamp.x(), 1e-6f);
+  }
+}
+
 }  // namespace test_scene
 }  // namespace limberg
