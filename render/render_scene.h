@@ -29,12 +29,12 @@ enum class Part : uint8_t {
 };
 inline constexpr size_t kParts = 10;
 
-/// The constant half of the tissue's surface. A surface vertex is doubled where shading must not be smooth: between
-/// skin, walls and sides, and over sharp edges at rest.
 /// Towards the lamp, where x is right, y up and z the way that what is operated on faces: the skin beside cuts, before
 /// there are any the chart; of bones, their own axes.
 inline const Vec3f kLamp = Vec3f(-0.62f, 0.44f, 0.65f).normalized();
 
+/// The constant half of the tissue's surface. A surface vertex is doubled where shading must not be smooth: between
+/// skin, walls and sides, and over sharp edges at rest.
 struct TissueMesh {
   uint64_t version = 0, hash = 0;  // of the topology that it was made from
   Vec3f lamp = kLamp;              // unit, in the patient's frame

@@ -27,14 +27,12 @@ float root_of_light(uint8_t c) {
   return float(std::sqrt(linear_light(double(v))));
 }
 
-Vec3f lamp_of(const RenderScene& scene) { return scene.mesh ? scene.mesh->lamp : kLamp; }
-
 // The lamp's view: an orthographic box around the scene, looking along the light.
-Mat4f light_matrix(const RenderScene& scene) {
+Mat4f light_matrix(const RenderScene& scene, const Vec3f& back) {
   Vec3f lo = scene.bounds_min, hi = scene.bounds_max;
   const Vec3f centre = 0.5f * (lo + hi);
   const float r = std::max(0.5f * (hi - lo).norm(), 1.0f);
-  const Vec3f back = lamp_of(scene), right = Vec3f(Vec3f::UnitY().cross(back)).normalized(), up = back.cross(right);
+  const Vec3f right = Vec3f(Vec3f::UnitY().cross(back)).normalized(), up = back.cross(right);
   Mat4f m = Mat4f::Identity();
   m.block<1, 3>(0, 0) = right.transpose() / r;
   m.block<1, 3>(1, 0) = up.transpose() / r;
@@ -229,11 +227,13 @@ struct Renderer::Impl {
     gl.Disable(GL_CULL_FACE);
   }
 
+  Vec3f lamp() const { return uploaded ? uploaded->lamp : kLamp; }
+
   Mat4f cast_shadow(const RenderScene& s, bool on, bool still, FaceLook face) {
     if (!on) return Mat4f::Identity();
     const ShadowMap& shadow = shadow_map(still);
     if (cast.valid && cast.map == &shadow && cast.face == face) return cast.to_light;
-    const Mat4f light = light_matrix(s);
+    const Mat4f light = light_matrix(s, lamp());
     gl.BindFramebuffer(GL_FRAMEBUFFER, shadow.frame);
     gl.Viewport(0, 0, shadow.size, shadow.size);
     gl.Enable(GL_DEPTH_TEST);
@@ -299,7 +299,7 @@ struct Renderer::Impl {
     p.use();
     p.set("to_clip", Mat4f(view.projection * view.to_eye));
     p.set("eye", view.eye_mm);
-    p.set("key_direction", uploaded->lamp);
+    p.set("key_direction", lamp());
     p.set("to_light", to_light);
     p.set("shadow_map", 0);
     p.set("shadow_texel", 1.0f / float(o.still ? kShadowSize : kLiveShadowSize));

@@ -89,10 +89,6 @@ void measure_rim(const SurfaceView& view, TissueMesh& mesh, Part part, const std
   }
 }
 
-}  // namespace
-
-namespace {
-
 /// The way that skin beside cuts faces at rest, in steps of some degrees: a lamp is not moved for every cut. None where
 /// it faces every way, as that of a lip that is cut through does.
 std::optional<Vec3> wound_normal(const SurfaceView& view) {

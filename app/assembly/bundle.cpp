@@ -39,13 +39,7 @@ std::vector<Blob> bundle(const Scene& scene, const Calibration& calibration) {
                            "\" cannot go into a recording; expected a path of at most 63 bytes relative to the scene");
     out.push_back({BlobKind::mesh, name, read_whole_file(path, kMaxMesh)});
   };
-  if (scene.source == Scene::Source::obj) add_mesh(scene.obj.path);
-  for (const ColliderSpec& c : scene.colliders) add_mesh(c.path);
-  for (const RegionSpec& r : scene.regions)
-    if (!r.volume.empty()) add_mesh(r.volume);
-  for (const ThicknessSpec& t : scene.thickness)
-    for (const std::string& file : {t.file, t.down_to})
-      if (!file.empty()) add_mesh(file);
+  for (const NamedFile& f : files_of_flesh(scene)) add_mesh(f.path);
   return out;
 }
 

@@ -462,7 +462,6 @@ int check_recording(const std::string& file, bool with_plan, int workers) {
   return kGoalMissed;
 }
 
-/// A volume (or a folder of DICOM slices) or a scan; false: something else.
 /// A surface of one's own: whether it can be the body of a scene; and such a scene, if one is asked for.
 void check_surface(const std::string& file, const std::string& text, const std::string& scene_file, bool may_be_open) {
   ObjSpec spec;
@@ -483,10 +482,16 @@ void check_surface(const std::string& file, const std::string& text, const std::
   std::error_code ec;
   if (fs::exists(scene_file, ec)) throw InputError(scene_file, 0, "exists already; expected the name of a new file");
   const fs::path beside = fs::absolute(scene_file).parent_path();
-  write_whole_file(scene_file, first_scene(body, fs::absolute(file).lexically_relative(beside).string(), 1));
+  write_whole_file(scene_file, first_scene(body, fs::absolute(file).lexically_relative(beside).string()));
   std::printf("scene       %s; limberg run %s operates on it\n", scene_file.c_str(), scene_file.c_str());
 }
 
+void refuse_scene_of(const std::string& file, const std::string& scene_file) {
+  if (!scene_file.empty())
+    throw InputError(file, 0, "is no surface; --scene writes a scene for an OBJ, PLY or STL file");
+}
+
+/// A volume (or a folder of DICOM slices) or a scan; false: something else.
 bool check_image(const std::string& file, const std::string& series, const std::string& scene_file) {
   std::error_code ec;
   const bool folder = std::filesystem::is_directory(file, ec);
@@ -494,14 +499,15 @@ bool check_image(const std::string& file, const std::string& series, const std::
     return std::any_of(list.begin(), list.end(), [&](const char* e) { return std::string_view(file).ends_with(e); });
   };
   if (ends({".ply", ".stl", ".xyz"}) && !folder) {
-    const Surface s = load_surface(file);
+    const std::string bytes = read_whole_file(file, SurfaceFileLimits::file_bytes, "a surface or a scan");
+    const Surface s = parse_surface(bytes, file);
+    if (s.tri.empty()) refuse_scene_of(file, scene_file);
     Vec3 low = s.x_mm.front(), high = low;
     for (const Vec3& x : s.x_mm) low = low.cwiseMin(x), high = high.cwiseMax(x);
     std::printf("%s %zu points, %zu triangles\nsize        %.1f x %.1f x %.1f mm\n",
                 s.tri.empty() ? "scan       " : "surface    ", s.x_mm.size(), s.tri.size(), high.x() - low.x(),
                 high.y() - low.y(), high.z() - low.z());
-    if (!s.tri.empty())
-      check_surface(file, read_whole_file(file, ObjLimits::file_bytes, "a surface"), scene_file, true);
+    if (!s.tri.empty()) check_surface(file, bytes, scene_file, true);
     return true;
   }
   // (The slices of a disc have names of any kind.)
@@ -511,6 +517,7 @@ bool check_image(const std::string& file, const std::string& series, const std::
   if (!folder && !ends({".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".nii.gz", ".hdr", ".dcm", ".DCM", ".IMA"}) &&
       !dicom())
     return false;
+  refuse_scene_of(file, scene_file);
   const LoadedVolume loaded = load_volume(file, LoadSettings{series, false});
   const Volume& v = loaded.volume;
   const auto [low, high] = std::minmax_element(v.value.begin(), v.value.end());
@@ -539,27 +546,27 @@ struct CheckOptions {
 };
 
 int check(const CheckOptions& o) {
-  const std::string &given = o.file, &series = o.series, &svg = o.draw, &scene_file = o.scene;
-  const bool with_plan = o.plan;
   const int workers = o.common.worker_count();
-  const std::string file = meant(given);
-  if (check_image(file, series, scene_file)) return kDone;
-  if (begins_recording(read_beginning(file, kBeginning))) return check_recording(file, with_plan, workers);
+  const std::string file = meant(o.file);
+  if (check_image(file, o.series, o.scene)) return kDone;
+  if (begins_recording(read_beginning(file, kBeginning))) {
+    refuse_scene_of(file, o.scene);
+    return check_recording(file, o.plan, workers);
+  }
   const std::string text = read_whole_file(file, size_t(1) << 30);
   const Kind kind = recognise(file, text);
-  if (!scene_file.empty() && kind != Kind::surface)
-    throw InputError(file, 0, "is no surface; --scene writes a scene for an OBJ, PLY or STL file");
+  if (kind != Kind::surface) refuse_scene_of(file, o.scene);
   switch (kind) {
     case Kind::recording:
-      return check_recording(file, with_plan, workers);
+      return check_recording(file, o.plan, workers);
     case Kind::repro:
       check_repro(parse_repro(text, file));
       break;
     case Kind::script:
-      check_script(parse_script(text, file), file, with_plan, svg);
+      check_script(parse_script(text, file), file, o.plan, o.draw);
       break;
     case Kind::lesson:
-      check_lesson(parse_lesson(text, file), with_plan, svg);
+      check_lesson(parse_lesson(text, file), o.plan, o.draw);
       break;
     case Kind::calibration: {
       const Calibration c = parse_calibration(text, file);
@@ -578,7 +585,7 @@ int check(const CheckOptions& o) {
       break;
     }
     case Kind::surface:
-      check_surface(file, text, scene_file, false);
+      check_surface(file, text, o.scene, false);
       break;
     case Kind::simplex_mesh: {
       const simplex::Census c = simplex::census(simplex::parse_mesh(text, file));
@@ -594,7 +601,7 @@ int check(const CheckOptions& o) {
     case Kind::scene: {
       const Scene scene = load_scene(file);
       check_scene(scene);
-      if (with_plan) plan(scene, workers);
+      if (o.plan) plan(scene, workers);
       break;
     }
   }

@@ -22,6 +22,8 @@ void check_own(const std::string& stem, const Imported& x, bool replace) {
   std::vector<std::string> files;
   for (const char* ending : {".toml", ".obj", ".jsonl", ".html", ".json"}) files.push_back(stem + ending);
   if (!x.texture.empty()) files.push_back((std::filesystem::path(stem).parent_path() / picture_name(x)).string());
+  if (const std::string name = thickness_name(x); !name.empty())
+    files.push_back((std::filesystem::path(stem).parent_path() / name).string());
   for (const auto& [name, solid] : solid_files(x))
     files.push_back((std::filesystem::path(stem).parent_path() / name).string());
   for (const std::string& file : files) {
@@ -43,8 +45,8 @@ int import(const ImportSettings& s, bool replace, const Words& w) {
   for (const auto& [name, solid] : solid_files(x))
     write_whole_file((std::filesystem::path(s.out) / name).string(), collider_obj(*solid));
   if (!x.texture.empty()) write_whole_file((std::filesystem::path(s.out) / picture_name(x)).string(), x.texture);
-  if (const std::string thickness = thickness_text(x); !thickness.empty())
-    write_whole_file((std::filesystem::path(s.out) / thickness_name(x)).string(), thickness);
+  if (const std::string name = thickness_name(x); !name.empty())
+    write_whole_file((std::filesystem::path(s.out) / name).string(), thickness_text(x));
   write_whole_file(stem + ".toml", scene_text);
   build_body(parse_scene(scene_text, stem + ".toml"));
   write_whole_file(stem + ".jsonl", script);

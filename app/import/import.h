@@ -55,7 +55,7 @@ Imported import_peer(const ImportSettings& settings);
 /// The files of it, as text.
 std::string scene_toml(const Imported& x);
 std::string surface_obj(const Imported& x);
-/// How thick the skin is by place; empty: there are no deep points.
+/// How thick the skin is by place, and the name of that file; no name: there are no deep points.
 std::string thickness_text(const Imported& x);
 std::string thickness_name(const Imported& x);
 std::string collider_obj(const Collider& c);

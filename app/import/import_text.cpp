@@ -85,7 +85,7 @@ std::string scene_toml(const Imported& x) {
       "operation holds still\n\n[solver]\niterations_per_step = 10\nseed = 1\n\n[tools]\nmax_depth_mm = 40\n"
       "default_depth_mm = {:.2f}\ndefault_spacing_mm = {:.3g}\n\n[springs]\nsuture_bite_mm = {:.3g}\nhook_tip_mm = "
       "{:.3g}\n\n",
-      x.skin_mm, thickness_text(x).empty() ? "" : fmt::format("thickness_file = \"{}\"\n", thickness_name(x)), regions,
+      x.skin_mm, thickness_name(x).empty() ? "" : fmt::format("thickness_file = \"{}\"\n", thickness_name(x)), regions,
       x.cell_mm, x.region_mm, std::clamp(1.1 * x.skin_mm, 0.1, 40.0), x.spacing_mm, x.bite_mm, x.bite_mm);
   const double distance = std::clamp(5.0 * o.reach_mm + 40, 60.0, 2000.0);
   t += fmt::format("[camera]\ntarget_mm = {}\nfrom = {}\nup = {}\ndistance_mm = {:.0f}\nfov_deg = 28\n",
@@ -116,7 +116,11 @@ std::string surface_obj(const Imported& x) {
   return t + faces;
 }
 
-std::string thickness_name(const Imported& x) { return x.name + "-skin.txt"; }
+std::string thickness_name(const Imported& x) {
+  const bool known =
+      std::any_of(x.model.deep_mm.begin(), x.model.deep_mm.end(), [](const Vec3& p) { return p.allFinite(); });
+  return known ? x.name + "-skin.txt" : "";
+}
 
 std::string thickness_text(const Imported& x) {
   std::string t;
@@ -127,7 +131,7 @@ std::string thickness_text(const Imported& x) {
         std::clamp((x.model.deep_mm[v] - X).norm(), ThicknessLimits::least_mm, ThicknessLimits::most_mm);
     t += fmt::format("{:.5f} {:.5f} {:.5f} {:.4f}\n", X.x(), X.y(), X.z(), thick);
   }
-  return t.empty() ? t : fmt::format("# Of {}: x y z thickness of the skin there, mm\n", file_name(x.bed_file)) + t;
+  return fmt::format("# Of {}: x y z thickness of the skin there, mm\n", file_name(x.bed_file)) + t;
 }
 
 std::string picture_name(const Imported& x) {

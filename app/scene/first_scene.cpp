@@ -39,7 +39,7 @@ std::string quoted_toml(const std::string& s) {
 
 }  // namespace
 
-std::string first_scene(const Body& body, const std::string& mesh, double scale_to_mm) {
+std::string first_scene(const Body& body, const std::string& mesh) {
   const std::array<double, 6> area = area_of_sides(body.surface);
   // A slab has two sides alike: then upwards or forwards.
   constexpr size_t kOrder[] = {5, 3, 1, 4, 2, 0};
@@ -69,9 +69,9 @@ std::string first_scene(const Body& body, const std::string& mesh, double scale_
   const double cell = std::clamp(std::round(2 * longest / 30) / 2, 0.5, 5.0);
   std::string t = fmt::format(
       "# A scene to begin with: every line is meant to be changed.\nname = \"own\"\n\n[body]\nsource = \"obj\"\nmesh = "
-      "{}\nscale_to_mm = {:g}\nchart_origin_mm = {} # script points [x, y] are mm from here\nchart_e1 = {}\nchart_e2 = "
+      "{}\nscale_to_mm = 1\nchart_origin_mm = {} # script points [x, y] are mm from here\nchart_e1 = {}\nchart_e2 = "
       "{}\ntension_direction = {}\ndeep_direction = {} # what faces this way is held\n",
-      quoted_toml(mesh), scale_to_mm, list(origin), list(e1), list(up), list(e1), list(-out));
+      quoted_toml(mesh), list(origin), list(e1), list(up), list(e1), list(-out));
   t += fmt::format(
       "\n[[layer]]\nname = \"skin\"\nthickness_mm = {:g}\nyoung_kPa = 60\npoisson = 0.45\ndensity_kg_m3 = "
       "1100\nprestretch_along = 1.08\nprestretch_across = 1.05\n\n[[layer]]\nname = \"fat and muscle\"\nthickness_mm = "

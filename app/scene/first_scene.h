@@ -11,6 +11,6 @@
 namespace limberg {
 
 /// The scene's text. `mesh`: the surface's file, as the scene is to name it.
-std::string first_scene(const Body& body, const std::string& mesh, double scale_to_mm);
+std::string first_scene(const Body& body, const std::string& mesh);
 
 }  // namespace limberg

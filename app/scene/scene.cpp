@@ -222,15 +222,7 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
   Hash64 h;
   h.add(text);
   if (!s.tissues.empty()) h.add(s.tissues);
-  if (s.source == Scene::Source::obj)
-    h.add(read_whole_file(s.obj.path, ObjLimits::file_bytes, "the surface that the scene names"));
-  for (const ColliderSpec& c : s.colliders)
-    h.add(read_whole_file(c.path, ObjLimits::file_bytes, "a collider that the scene names"));
-  for (const RegionSpec& r : s.regions)
-    if (!r.volume.empty()) h.add(read_whole_file(r.volume, ObjLimits::file_bytes, "a region that the scene names"));
-  for (const ThicknessSpec& t : s.thickness)
-    for (const std::string& file : {t.file, t.down_to})
-      if (!file.empty()) h.add(read_whole_file(file, ObjLimits::file_bytes, "thicknesses that the scene names"));
+  for (const NamedFile& f : files_of_flesh(s)) h.add(read_whole_file(f.path, ObjLimits::file_bytes, f.what));
   if (s.head) {
     for (const std::string& f : s.head->bone_files)
       h.add(read_whole_file(f, ObjLimits::file_bytes, "a simplex mesh that the scene names"));
@@ -239,6 +231,19 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
   }
   s.hash = h.value();
   return s;
+}
+
+std::vector<NamedFile> files_of_flesh(const Scene& s) {
+  std::vector<NamedFile> out;
+  const auto add = [&](const std::string& path, const char* what) {
+    if (!path.empty()) out.push_back({path, what});
+  };
+  if (s.source == Scene::Source::obj) add(s.obj.path, "the surface that the scene names");
+  for (const ColliderSpec& c : s.colliders) add(c.path, "a collider that the scene names");
+  for (const RegionSpec& r : s.regions) add(r.volume, "a region that the scene names");
+  for (const ThicknessSpec& t : s.thickness)
+    for (const std::string& file : {t.file, t.down_to}) add(file, "thicknesses that the scene names");
+  return out;
 }
 
 Scene load_scene(const std::string& path) {

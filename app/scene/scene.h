@@ -116,6 +116,12 @@ struct Scene {
   const std::vector<Layer>& layers() const { return source == Source::block ? block.layers : obj.layers; }
 };
 
+/// The surfaces of its flesh that a scene names, and thicknesses, in order: what goes into its hash and its recordings.
+struct NamedFile {
+  std::string path;
+  const char* what;  // in messages
+};
+std::vector<NamedFile> files_of_flesh(const Scene& scene);
 /// Throws InputError (missing file, folder, unreadable, empty, or as parse_scene).
 Scene load_scene(const std::string& path);
 /// `path` names the scene in messages; mesh files are looked for beside it. Reads the mesh file's bytes for the hash.

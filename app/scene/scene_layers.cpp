@@ -106,24 +106,12 @@ ThicknessSpec read_thickness(Table& t) {
   ThicknessSpec out;
   t.path("thickness_file", out.file);
   t.path("down_to", out.down_to);
-  if (t.has("thickness_points")) {
-    const std::string expected = "; expected a list of 1 to " + std::to_string(kMostPlaces) +
-                                 " places [x, y, z, thickness], all in mm, the thickness from 0.1 to 100";
-    const toml::array* a = t.node("thickness_points")->as_array();
-    if (!a || a->empty() || a->size() > kMostPlaces) t.fail("thickness_points", "is no such list" + expected);
-    for (const toml::node& e : *a) {
-      const toml::array* p = e.as_array();
-      double v[4];
-      for (size_t i = 0; i < 4; ++i) {
-        const std::optional<double> x =
-            p && p->size() == 4 && p->get(i)->is_number() ? p->get(i)->value<double>() : std::nullopt;
-        if (!x || !(std::abs(*x) <= 1e4)) t.fail("thickness_points", "holds something that is no place" + expected);
-        v[i] = *x;
-      }
-      if (!(v[3] >= ThicknessLimits::least_mm && v[3] <= ThicknessLimits::most_mm))
-        t.fail("thickness_points", "holds a thickness of " + number(v[3]) + " mm" + expected);
-      out.points.push_back({{v[0], v[1], v[2]}, v[3]});
-    }
+  const std::string expected = "; expected a list of 1 to " + std::to_string(kMostPlaces) +
+                               " places [x, y, z, thickness], all in mm, the thickness from 0.1 to 100";
+  for (const auto& [x, y, z, thick] : t.rows<4>("thickness_points", 1, kMostPlaces, "place", expected)) {
+    if (!(thick >= ThicknessLimits::least_mm && thick <= ThicknessLimits::most_mm))
+      t.fail("thickness_points", "holds a thickness of " + number(thick) + " mm" + expected);
+    out.points.push_back({{x, y, z}, thick});
   }
   const int given = int(!out.points.empty()) + int(!out.file.empty()) + int(!out.down_to.empty());
   if (given > 1)

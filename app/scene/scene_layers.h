@@ -6,7 +6,7 @@
 //               thickness_mm, poisson, density_kg_m3, prestretch_along, prestretch_across
 //               thickness_points   where it is not as thick everywhere: [[x, y, z, thickness], ...] in mm, or
 //               thickness_file     a file of such rows, or
-//               down_to            an OBJ file of the surface that it ends on, with scale_to_mm (body/thickness.h)
+//               down_to            an OBJ, PLY or STL of the surface it ends on, with scale_to_mm (body/thickness.h)
 //               law            of the catalogue; without it stable-neo-hookean, which takes young_kPa
 //               constants of the law by their keys: k1_kPa = 50; lists where the law takes several: alpha = [9, -4]
 //               prony          [[share, time_s], ...]: what fades of the stiffness after a
@@ -26,12 +26,12 @@ Material unknown_material();
 void read_material(Table& t, Material& m, const LawCatalogue& laws);
 /// The tissue of the library that a table names; null: it names none.
 const NamedTissue* named_tissue(Table& t, const std::function<const TissueLibrary&(Table&)>& library);
-/// `library` is asked for when a layer names a tissue; it throws when there is none.
 struct SceneLayers {
   std::vector<Layer> layers;
   std::vector<ThicknessSpec> thickness;  // of each
   std::vector<int> line;
 };
+/// `library` is asked for when a layer names a tissue; it throws when there is none.
 SceneLayers read_layers(const toml::table& root, const std::string& file, const LawCatalogue& laws,
                         const std::function<const TissueLibrary&(Table&)>& library);
 /// The thicknesses by place of a body that is whole otherwise.

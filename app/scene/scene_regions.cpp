@@ -9,27 +9,8 @@ namespace {
 constexpr size_t kMostRegions = 64, kMostPoints = 1000;
 constexpr const char* kPlaces = "expected one of volume, path_mm, outline, paint";
 
-/// A list of points of `size` numbers each.
-std::vector<Vec3> points_of(Table& t, const char* key, size_t size, size_t least) {
-  std::vector<Vec3> out;
-  const toml::node* n = t.node(key);
-  if (!n) return out;
-  const std::string expected = "; expected a list of " + std::to_string(least) + " to " + std::to_string(kMostPoints) +
-                               (size == 2 ? " places [x, y] in mm" : " points [x, y, z] in mm");
-  const toml::array* a = n->as_array();
-  if (!a || a->size() < least || a->size() > kMostPoints) t.fail(key, "is no such list" + expected);
-  for (const toml::node& e : *a) {
-    const toml::array* p = e.as_array();
-    Vec3 point = Vec3::Zero();
-    for (size_t i = 0; i < size; ++i) {
-      const std::optional<double> v =
-          p && p->size() == size && p->get(i)->is_number() ? p->get(i)->value<double>() : std::nullopt;
-      if (!v || !(std::abs(*v) <= 1e4)) t.fail(key, "holds something that is no point" + expected);
-      point[Eigen::Index(i)] = *v;
-    }
-    out.push_back(point);
-  }
-  return out;
+std::string list_of(size_t least, const char* what) {
+  return "; expected a list of " + std::to_string(least) + " to " + std::to_string(kMostPoints) + what;
 }
 
 void read_place(Table& t, const Scene& s, RegionSpec& r) {
@@ -42,12 +23,14 @@ void read_place(Table& t, const Scene& s, RegionSpec& r) {
     t.path("volume", r.volume);
     t.real("scale_to_mm", r.scale_to_mm, 0, 1e6, true);
   }
-  r.path_mm = points_of(t, "path_mm", 3, 1);
+  for (const auto& p : t.rows<3>("path_mm", 1, kMostPoints, "point", list_of(1, " points [x, y, z] in mm")))
+    r.path_mm.emplace_back(p[0], p[1], p[2]);
   if (!r.path_mm.empty()) {
     if (!t.has("radius_mm")) t.fail("radius_mm", "is missing; expected the radius of the bundle about path_mm");
     t.real("radius_mm", r.radius_mm, 0, 500, true);
   }
-  for (const Vec3& p : points_of(t, "outline", 2, 3)) r.outline_mm.push_back(p.head<2>());
+  for (const auto& p : t.rows<2>("outline", 3, kMostPoints, "point", list_of(3, " places [x, y] in mm")))
+    r.outline_mm.emplace_back(p[0], p[1]);
   if (t.has("outline") && !(std::abs(signed_area(r.outline_mm)) > 1e-6))
     t.fail("outline", "holds no area; expected a polygon, in mm on the chart");
   if (t.has("paint")) {

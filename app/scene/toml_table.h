@@ -1,6 +1,7 @@
 #pragma once
 // One table of a TOML file, read strictly: scenes and libraries of tissues. Heavy: include it from .cpp files only.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <functional>
@@ -161,6 +162,28 @@ class Table {
   void path(const char* key, std::string& value) {
     text(key, value, 4000);
     if (has(key)) value = beside(file_, value);
+  }
+  /// A list of `least` to `most` rows of N numbers of at most 1e4; `one`: what a row is called; `expected`: "; expected
+  /// ...".
+  template <size_t N>
+  std::vector<std::array<double, N>> rows(const char* key, size_t least, size_t most, const std::string& one,
+                                          const std::string& expected) {
+    std::vector<std::array<double, N>> out;
+    const toml::node* n = take(key);
+    if (!n) return out;
+    const toml::array* a = n->as_array();
+    if (!a || a->size() < least || a->size() > most) fail(key, "is no such list" + expected);
+    for (const toml::node& e : *a) {
+      const toml::array* row = e.as_array();
+      for (size_t i = 0; i < N; ++i) {
+        const std::optional<double> v =
+            row && row->size() == N && row->get(i)->is_number() ? row->get(i)->value<double>() : std::nullopt;
+        if (!v || !(std::abs(*v) <= 1e4)) fail(key, "holds something that is no " + one + expected);
+        if (i == 0) out.emplace_back();
+        out.back()[i] = *v;
+      }
+    }
+    return out;
   }
   void vector(const char* key, Vec3& value, double limit) {
     const toml::node* n = take(key);

@@ -4,12 +4,12 @@
 #define BOOST_ALLOW_DEPRECATED_HEADERS  // Boost 1.74 includes its own, and says so
 #include <boost/geometry.hpp>
 #include <boost/geometry/index/rtree.hpp>
-#include <charconv>
 #include <cmath>
 #include <iterator>
+#include <optional>
 
 #include "sim/base/error.h"
-#include "sim/base/quoted.h"
+#include "sim/base/text_rows.h"
 #include "sim/base/whole_file.h"
 #include "sim/body/body.h"
 #include "sim/geometry/sided_patch.h"
@@ -56,14 +56,6 @@ class Between {
   Tree tree_;
 };
 
-std::vector<bool> corners_of_skin(const TriMesh& m) {
-  std::vector<bool> out(m.X_mm.size(), false);
-  for (size_t t = 0; t < m.tri.size(); ++t)
-    if (m.tag.empty() || m.tag[t] == SurfaceTag::skin)
-      for (const int32_t v : m.tri[t]) out[size_t(v)] = true;
-  return out;
-}
-
 std::vector<float> down_to(const ThicknessSpec& spec, const Body& body, size_t layer) {
   ColliderSpec file;
   file.path = spec.down_to, file.scale_to_mm = spec.scale_to_mm, file.closed = false;
@@ -71,7 +63,6 @@ std::vector<float> down_to(const ThicknessSpec& spec, const Body& body, size_t l
   const std::shared_ptr<const Collider> end = load_collider(file);
   const Bvh surface(end->mesh.X_mm, end->mesh.tri);
   const TriMesh& m = body.surface;
-  const std::vector<bool> is_skin = corners_of_skin(m);
   std::vector<int32_t> skin;
   for (size_t t = 0; t < m.tri.size(); ++t)
     if (m.tag.empty() || m.tag[t] == SurfaceTag::skin) skin.push_back(int32_t(t));
@@ -80,11 +71,11 @@ std::vector<float> down_to(const ThicknessSpec& spec, const Body& body, size_t l
   const SidedPatch patch(m, skin);
   size_t all = 0, met = 0;
   for (size_t v = 0; v < m.X_mm.size(); ++v) {
-    if (!is_skin[v]) continue;
+    const Vec3& out_of_skin = patch.corner_normal(int32_t(v));
+    if (out_of_skin.isZero(0)) continue;  // no corner of it
     double above = 0;
     for (size_t l = 0; l < layer; ++l) above += body.layer_thickness_mm(l, int32_t(v));
-    const std::vector<Bvh::LineHit> hits =
-        surface.line(m.X_mm[v], -patch.corner_normal(int32_t(v)), 0, above + ThicknessLimits::most_mm);
+    const std::vector<Bvh::LineHit> hits = surface.line(m.X_mm[v], -out_of_skin, 0, above + ThicknessLimits::most_mm);
     ++all, met += !hits.empty();
     const double deep = hits.empty() ? surface.closest(m.X_mm[v]).distance_mm : hits[0].t;
     if (deep - above > ThicknessLimits::most_mm)
@@ -104,27 +95,18 @@ std::vector<float> down_to(const ThicknessSpec& spec, const Body& body, size_t l
 
 std::vector<PlaceThickness> parse_thickness(std::string_view text, const std::string& file) {
   std::vector<PlaceThickness> out;
-  int line = 0;
-  while (!text.empty()) {
-    ++line;
-    const size_t end = std::min(text.find('\n'), text.size());
-    std::string_view row = text.substr(0, end);
-    text.remove_prefix(std::min(end + 1, text.size()));
+  size_t at = 0;
+  std::string_view row, word;
+  for (int line = 1; next_line(text, at, row); ++line) {
     row = row.substr(0, row.find('#'));
     double value[4];
     size_t given = 0;
     const auto fail = [&](const std::string& what) { throw InputError(file, line, what + "; " + kRow); };
-    for (const char* at = row.data(); at != row.data() + row.size();) {
-      if (*at == ' ' || *at == '\t' || *at == ',' || *at == '\r') {
-        ++at;
-        continue;
-      }
+    for (; next_word(row, word, " \t,\r"); ++given) {
       if (given == 4) fail("holds more than four numbers");
-      const auto [next, error] = std::from_chars(at, row.data() + row.size(), value[given]);
-      const bool ends =
-          next == row.data() + row.size() || *next == ' ' || *next == '\t' || *next == ',' || *next == '\r';
-      if (error != std::errc() || !ends || !std::isfinite(value[given])) fail("holds something that is no number");
-      ++given, at = next;
+      const std::optional<double> v = finite_number(word);
+      if (!v) fail("holds something that is no number");
+      value[given] = *v;
     }
     if (given == 0) continue;
     if (given < 4) fail("holds " + std::to_string(given) + " numbers");

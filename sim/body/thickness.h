@@ -29,7 +29,7 @@ struct PlaceThickness {
 struct ThicknessSpec {
   std::vector<PlaceThickness> points;
   std::string file;
-  std::string down_to;     // path of an OBJ file
+  std::string down_to;     // path of an OBJ, PLY or STL file
   double scale_to_mm = 1;  // of that file
   bool given() const { return !points.empty() || !file.empty() || !down_to.empty(); }
 };

@@ -41,7 +41,6 @@ namespace {
 /// As thick as they are at a place of the skin.
 std::vector<Layer> layers_at(const Body& body, const Vec3& X_mm) {
   std::vector<Layer> out = body.layers;
-  if (body.thickness_mm.empty()) return out;
   size_t nearest = 0;
   for (size_t v = 1; v < body.surface.X_mm.size(); ++v)
     if ((body.surface.X_mm[v] - X_mm).squaredNorm() < (body.surface.X_mm[nearest] - X_mm).squaredNorm()) nearest = v;
@@ -121,7 +120,9 @@ PressAnswer PressProbe::ask(const Pressed& p, const PressQuestion& q, int iterat
   find_patch(p, q, std::max(kPatch * h, q.radius_mm));
   const double depth = std::max(q.depth_mm, kShallowest_mm);
   const SurfaceView& view = p.surface.view;
-  const std::vector<Layer> layers = layers_at(p.body, view.X_mm[size_t(view.tri[size_t(q.triangle)][0])]);
+  std::vector<Layer> here;  // where they are not as thick everywhere
+  if (!p.body.thickness_mm.empty()) here = layers_at(p.body, view.X_mm[size_t(view.tri[size_t(q.triangle)][0])]);
+  const std::span<const Layer> layers = here.empty() ? p.body.layers : here;
   const double stiffness =
       1 / std::max(1 / kStiffest_N_mm, compliance_mm_N(layers, q.radius_mm) - compliance_mm_N(layers, felt));
 

@@ -41,7 +41,7 @@ TEST(FirstScene, OperatesOnWhateverSideMostOfASurfaceFaces) {
         file.close();
         ObjSpec spec;
         spec.path = (folder.path() / "own \"1\".obj").string(), spec.layers.resize(1);
-        const std::string text = first_scene(load_obj(spec), "own \"1\".obj", 1);
+        const std::string text = first_scene(load_obj(spec), "own \"1\".obj");
         const Scene scene = parse_scene(text, (folder.path() / "own.toml").string());
         const auto body = build_body(scene);
         const Skin skin(body);

@@ -4,29 +4,26 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <cstring>
+#include <optional>
 #include <span>
 
 #include "sim/base/error.h"
 #include "sim/base/quoted.h"
+#include "sim/base/text_rows.h"
 
 namespace limberg {
 namespace {
 
 constexpr const char* kColour[] = {"red", "green", "blue"};
 
-bool is_gap(char c) { return c == ' ' || c == '\t' || c == ',' || c == ';'; }
-bool blank(std::string_view s) { return std::all_of(s.begin(), s.end(), is_gap); }
+bool blank(std::string_view s) { return s.find_first_not_of(" \t\r") == std::string_view::npos; }
 
-/// Words of a line.
-bool next_word(std::string_view& s, std::string_view& w) {
-  while (!s.empty() && is_gap(s.front())) s.remove_prefix(1);
-  size_t n = 0;
-  while (n < s.size() && !is_gap(s[n])) ++n;
-  w = s.substr(0, n), s.remove_prefix(n);
-  return n > 0;
+double number_of(std::string_view w, const std::string& file, int line) {
+  const std::optional<double> v = finite_number(w.starts_with('+') ? w.substr(1) : w);
+  if (!v) throw InputError(file, line, quoted(w.starts_with('+') ? w.substr(1) : w) + " is no finite number");
+  return *v;
 }
 
 class MeshReader {
@@ -40,7 +37,7 @@ class MeshReader {
     std::vector<Kind> kinds;
     int line = 0, format = -1;  // 0 ascii, 1 little endian, 2 big endian
     bool ended = false;
-    while (!ended && next(at, l)) {
+    while (!ended && next_line(s_, at, l)) {
       ++line;
       std::string_view rest = l;
       if (!next_word(rest, w) || w == "comment" || w == "obj_info" || w == "ply") continue;
@@ -54,7 +51,7 @@ class MeshReader {
       } else if (w == "element") {
         Kind k;
         next_word(rest, w), k.name = w, next_word(rest, w);
-        const double n = number(w, line);
+        const double n = number_of(w, name_, line);
         if (!(n >= 0 && n == std::floor(n))) fail(line, "the number of elements is no whole number");
         // An element has at least a byte.
         if (n > double(s_.size()))
@@ -90,7 +87,7 @@ class MeshReader {
         std::string_view rest;
         if (format == 0) {
           do {
-            if (!next(at, rest))
+            if (!next_line(s_, at, rest))
               fail(0, "the data are cut short: " + std::to_string(i) + " of " + std::to_string(k.count) +
                           " of element " + k.name.substr(0, 30));
             ++line;
@@ -99,7 +96,7 @@ class MeshReader {
         const auto value = [&](int bytes, char kind) {
           if (format != 0) return binary(at, bytes, kind, format == 2);
           if (!next_word(rest, w)) fail(line, "too few numbers");
-          return number(w, line);
+          return number_of(w, name_, line);
         };
         for (const Property& p : k.property) {
           const double n = p.list ? value(p.count_bytes, p.count_kind) : 1;
@@ -154,9 +151,9 @@ class MeshReader {
     }
     size_t at = 0;
     std::string_view l, w;
-    for (int line = 1; next(at, l); ++line) {
+    for (int line = 1; next_line(s_, at, l); ++line) {
       std::string_view rest = l;
-      if (next_word(rest, w) && w == "vertex") corner.push_back(point(rest, line));
+      if (next_word(rest, w) && w == "vertex") corner.push_back(point_of_row(rest, name_, line));
       if (corner.size() > 3 * limits_.triangles) fail(line, "has more triangles than are read");
     }
     if (corner.size() % 3 != 0) fail(0, "its last triangle is cut short");
@@ -166,32 +163,6 @@ class MeshReader {
 
  private:
   [[noreturn]] void fail(int line, const std::string& what) const { throw InputError(name_, line, what); }
-  bool next(size_t& at, std::string_view& line) const {
-    if (at >= s_.size()) return false;
-    const size_t end = std::min(s_.find('\n', at), s_.size());
-    line = s_.substr(at, end - at);
-    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-    at = end + 1;
-    return true;
-  }
-
-  double number(std::string_view w, int line) const {
-    if (w.starts_with('+')) w.remove_prefix(1);
-    double v = 0;
-    const auto [end, ec] = std::from_chars(w.data(), w.data() + w.size(), v);
-    if (w.empty() || ec != std::errc() || end != w.data() + w.size() || !std::isfinite(v))
-      fail(line, quoted(w) + " is no finite number");
-    return v;
-  }
-  Vec3 point(std::string_view rest, int line) const {
-    Vec3 x;
-    for (int k = 0; k < 3; ++k) {
-      std::string_view w;
-      if (!next_word(rest, w)) fail(line, "a point has fewer than three numbers");
-      x[k] = number(w, line);
-    }
-    return x;
-  }
   void face(std::span<const int32_t> corner, int line) {
     out_.face.push_back({out_.corner.size(), corner.size(), line, -1});
     for (const int32_t c : corner) out_.corner.push_back({c, -1});
@@ -301,6 +272,16 @@ class MeshReader {
 };
 
 }  // namespace
+
+Vec3 point_of_row(std::string_view row, const std::string& file, int line) {
+  Vec3 x;
+  for (int k = 0; k < 3; ++k) {
+    std::string_view w;
+    if (!next_word(row, w)) throw InputError(file, line, "a point has fewer than three numbers");
+    x[k] = number_of(w, file, line);
+  }
+  return x;
+}
 
 bool is_ply(std::string_view bytes) { return bytes.starts_with("ply\n") || bytes.starts_with("ply\r\n"); }
 

@@ -19,6 +19,9 @@ ObjText parse_mesh_file(std::string_view bytes, const std::string& file, const O
 ObjText parse_ply(std::string_view bytes, const std::string& file, const ObjTextLimits& limits);
 ObjText parse_stl(std::string_view bytes, const std::string& file, const ObjTextLimits& limits);
 
+/// The first three numbers of a row that any of blank, tab, comma and semicolon part.
+Vec3 point_of_row(std::string_view row, const std::string& file, int line);
+
 bool is_ply(std::string_view bytes);
 bool is_stl_name(std::string_view file);
 

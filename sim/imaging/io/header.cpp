@@ -70,15 +70,6 @@ size_t bytes_of(Number n) {
   return 1;
 }
 
-bool next_line(std::string_view text, size_t& at, std::string_view& line) {
-  if (at >= text.size()) return false;
-  const size_t end = std::min(text.find('\n', at), text.size());
-  line = text.substr(at, end - at);
-  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-  at = end + 1;
-  return true;
-}
-
 std::string_view trimmed(std::string_view s) {
   while (!s.empty() && (s.front() == ' ' || s.front() == '\t')) s.remove_prefix(1);
   while (!s.empty() && (s.back() == ' ' || s.back() == '\t' || s.back() == '\r')) s.remove_suffix(1);

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/base/text_rows.h"
 #include "sim/imaging/io/volume.h"
 
 namespace limberg::imaging {
@@ -24,8 +25,6 @@ struct Header {
   size_t data_at = 0;     // where the data begin in the header's own file
 };
 
-/// The line that begins at `at`, without its end; moves `at` behind it. False at the end.
-bool next_line(std::string_view text, size_t& at, std::string_view& line);
 std::string_view trimmed(std::string_view s);
 /// Numbers of a line; throws InputError naming `what`, unless there are `count` finite ones.
 std::vector<double> numbers(std::string_view s, size_t count, const std::string& file, int line, const char* what);

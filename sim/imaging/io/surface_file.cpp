@@ -1,34 +1,20 @@
 #include "sim/imaging/io/surface_file.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "sim/base/error.h"
-#include "sim/base/quoted.h"
+#include "sim/base/text_rows.h"
 #include "sim/base/whole_file.h"
 #include "sim/geometry/io/mesh_file.h"
-#include "sim/imaging/io/header.h"
 #include "sim/skull/simplex/dual.h"
 #include "sim/skull/simplex/file.h"
 
 namespace limberg {
 namespace {
 
-using imaging::next_line;
-
 constexpr ObjTextLimits kLimits{
     .vertices = SurfaceFileLimits::points, .triangles = SurfaceFileLimits::triangles, .texture = false};
-
-/// Words of a line.
-bool word(std::string_view& s, std::string_view& w) {
-  while (!s.empty() && (s.front() == ' ' || s.front() == '\t' || s.front() == ',' || s.front() == ';'))
-    s.remove_prefix(1);
-  size_t n = 0;
-  while (n < s.size() && s[n] != ' ' && s[n] != '\t' && s[n] != ',' && s[n] != ';') ++n;
-  w = s.substr(0, n), s.remove_prefix(n);
-  return n > 0;
-}
 
 class Reader {
  public:
@@ -58,23 +44,6 @@ class Reader {
  private:
   [[noreturn]] void fail(int line, const std::string& what) const { throw InputError(name_, line, what); }
 
-  double number(std::string_view w, int line) const {
-    if (w.starts_with('+')) w.remove_prefix(1);
-    double v = 0;
-    const auto [end, ec] = std::from_chars(w.data(), w.data() + w.size(), v);
-    if (w.empty() || ec != std::errc() || end != w.data() + w.size() || !std::isfinite(v))
-      fail(line, quoted(w) + " is no finite number");
-    return v;
-  }
-  Vec3 point(std::string_view rest, int line) const {
-    Vec3 x;
-    for (int k = 0; k < 3; ++k) {
-      std::string_view w;
-      if (!word(rest, w)) fail(line, "a point has fewer than three numbers");
-      x[k] = number(w, line);
-    }
-    return x;
-  }
   void limits(int line) const {
     if (out_.x_mm.size() > SurfaceFileLimits::points || out_.tri.size() > SurfaceFileLimits::triangles)
       fail(line, "has more points or triangles than are read");
@@ -85,8 +54,8 @@ class Reader {
     std::string_view l;
     for (int line = 1; next_line(s_, at, l); ++line) {
       std::string_view w, rest = l;
-      if (!word(rest, w) || w.starts_with('#')) continue;
-      out_.x_mm.push_back(point(l, line));
+      if (!next_word(rest, w) || w.starts_with('#')) continue;
+      out_.x_mm.push_back(point_of_row(l, name_, line));
       limits(line);
     }
   }

@@ -200,7 +200,7 @@ LoadedVolume load_volume(const std::string& path, const LoadSettings& settings) 
   if (imaging::looks_like_dicom(head)) return imaging::load_dicom(path, settings);
   size_t at = 0;
   std::string_view first;
-  imaging::next_line(head, at, first);
+  next_line(head, at, first);
   const size_t equals = first.find('=');
   const std::string_view key = imaging::trimmed(first.substr(0, equals));
   if (equals != std::string_view::npos && (key == "ObjectType" || key == "NDims" || key == "Comment"))

@@ -97,6 +97,19 @@ inline Vec3 patch_move(const SheetLattice& l, const Vec3& force_N) {
   return middle(r.u) - at;
 }
 
+/// The largest force that its cells exert on a free node at rest, beside what one of them would under its rest pressure
+/// alone.
+inline double force_at_rest(const SheetLattice& l, double cell_mm) {
+  double scale = 0, force = 0;
+  for (const Stencil& k : l.m->stencils) scale = std::max(scale, k.p0_kPa * k.volume_mm3 / cell_mm);
+  const std::vector<Vec3> u(l.m->X_mm.size(), Vec3::Zero());
+  std::vector<Vec3> f;
+  ReferenceElasticity(*l.m, {}).gradient(u, f);
+  for (size_t n = 0; n < f.size(); ++n)
+    if (!l.m->fixed[n]) force = std::max(force, f[n].norm());
+  return force / scale;
+}
+
 inline Body slab(double off, double fat_mm = 10) {
   Sheet s;
   s.cells = 10;
