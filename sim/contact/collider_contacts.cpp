@@ -20,21 +20,25 @@ constexpr double kReach_mm = 30;
 // What lies deeper in it at rest belongs there: nothing says which way is out.
 constexpr double kWithin_mm = 1;
 constexpr int kWholeProjections = 2, kMostSteps = 8;
-// A place is a mean of nodes: it moves about as far as the one that moves farthest. Weights of places beside their cell
-// lie a little below 0 and above 1.
-constexpr double kSpare = 0.5;
+constexpr double kRounding = 1e-9;
 
 struct Way {
   double depth_mm = -std::numeric_limits<double>::infinity();  // below 0 outside
   Vec3 out = Vec3::Zero(), foot_mm = Vec3::Zero();
 };
 
-/// From x to the surface of the collider that it is nearest to, or deepest in.
-Way way_to(std::span<const SidedPatch> patches, const Vec3& x, double far_mm) {
+const Vec3 kNoFoot = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+
+/// From x to the surface of the collider that it is nearest to, or deepest in. `feet`: a point of each, or kNoFoot; takes
+/// the nearest ones.
+Way way_to(std::span<const SidedPatch> patches, const Vec3& x, double far_mm, std::span<Vec3> feet) {
   Way best;
-  for (const SidedPatch& patch : patches) {
-    const Bvh::Closest c = patch.bvh().closest(x, far_mm);
+  for (size_t k = 0; k < patches.size(); ++k) {
+    const SidedPatch& patch = patches[k];
+    const double to_foot_mm = (x - feet[k]).norm() * (1 + kRounding) + kRounding;
+    const Bvh::Closest c = patch.bvh().closest(x, to_foot_mm < far_mm ? to_foot_mm : far_mm);
     if (c.triangle < 0) continue;
+    feet[k] = c.point_mm;
     const Vec3 side = patch.side_normal(c), from = x - c.point_mm;
     const bool inside = from.dot(side) < 0;
     if (const double depth = inside ? c.distance_mm : -c.distance_mm; depth > best.depth_mm) {
@@ -71,21 +75,25 @@ ColliderContacts::ColliderContacts(std::shared_ptr<const Body> body, const Surfa
     for (const int32_t v : c) area[size_t(v)] += a / 3;
   }
   const double cell_mm = elementary::cbrt(model.cell_mm.prod());
+  std::vector<Vec3> feet;
   for (size_t v = 0; v < area.size(); ++v) {
     if (!(area[v] > 0)) continue;
-    const Way way = way_to(patch_, view.X_mm[v], kReach_mm);
+    feet.assign(patch_.size(), kNoFoot);
+    const Way way = way_to(patch_, view.X_mm[v], kReach_mm, feet);
     if (!(way.depth_mm > -kReach_mm) || way.depth_mm > kWithin_mm) continue;
     Place p{int32_t(v), embedding[v], view.X_mm[v], 0, std::max(0.0, way.depth_mm)};
     p.k_N_per_mm = contact_stiffness_N_per_mm(1, young_kPa(model, view.cell_copy[v]), area[v], cell_mm);
     place_.push_back(p);
+    foot_mm_.insert(foot_mm_.end(), feet.begin(), feet.end());
   }
   state_.resize(place_.size());
 }
 
 void ColliderContacts::project(size_t i, const Vec3& x) {
   State& s = state_[i];
-  const Way way = way_to(patch_, x, kReach_mm);
-  s.due_mm = travelled_mm_ + kSpare * std::max(0.0, std::min(-way.depth_mm, kReach_mm) - constant::guard_mm);
+  const Way way = way_to(patch_, x, kReach_mm, std::span(foot_mm_).subspan(i * patch_.size(), patch_.size()));
+  s.asked_mm = x;
+  s.clear_mm = std::max(0.0, std::min(-way.depth_mm, kReach_mm) - constant::guard_mm);
   const bool held = s.holds;
   s.holds = way.depth_mm > -constant::guard_mm;
   if (!s.holds) return;
@@ -107,17 +115,10 @@ void ColliderContacts::project(size_t i, const Vec3& x) {
   ++h.projections;
 }
 
-double ColliderContacts::farthest_mm(std::span<const Vec3f> u) {
-  float most = 0;
-  for (size_t i = 0; i < u.size() && u.size() == u_.size(); ++i) most = std::max(most, (u[i] - u_[i]).squaredNorm());
-  u_.assign(u.begin(), u.end());
-  return std::sqrt(double(most));
-}
-
 bool ColliderContacts::follow_place(size_t i, std::span<const Vec3f> u) {
   State& s = state_[i];
-  if (!s.holds && s.due_mm > travelled_mm_) return false;
   const Vec3 x = place_[i].X_mm + displacement(place_[i].embedded, u);
+  if (!s.holds && (x - s.asked_mm).norm() < s.clear_mm) return false;
   if (s.holds) {
     const HeldByCollider& h = s.held;
     const double apart_mm = h.normal.dot(x) - h.plane_mm;
@@ -133,7 +134,6 @@ bool ColliderContacts::follow_place(size_t i, std::span<const Vec3f> u) {
 bool ColliderContacts::follow(std::span<const Vec3f> u, Workers& workers) {
   std::atomic<bool> changed = resumed_;
   resumed_ = false;
-  travelled_mm_ += farthest_mm(u);
   constexpr size_t kGrain = 64;
   workers.parallel_for(place_.size(), kGrain, [&](size_t begin, size_t end) {
     bool any = false;

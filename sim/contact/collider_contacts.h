@@ -9,6 +9,9 @@
 // other side is fixed. What overlaps at rest, since both shapes are only as true as their meshes, does not push: a
 // place may lie as deep as it does at rest.
 //
+// A place that was so far away when it was asked for last is not asked for before it has come that far, and the search
+// goes no farther than to the foot it had then.
+//
 // Persistence. A pair stays until its place has slid by slide_mm along its plane. Where a foot jumps, at a ridge, a
 // pair could be projected for ever: from the third projection within neighbourhood_mm on it goes a part of the way only
 // (1/2, 1/3, ...), and after the eighth it stands still.
@@ -51,21 +54,20 @@ class ColliderContacts {
     double deep_mm = 0;  // how deep it lies in the collider at rest
   };
   struct State {
-    double due_mm = -1;  // of travelled_mm_: until then it cannot have come within reach; below 0: not asked yet
+    Vec3 asked_mm = Vec3::Zero();  // where it was when it was asked for last,
+    double clear_mm = -1;          // and how far it may go from there without coming within reach; below 0: not asked
     HeldByCollider held;
     bool holds = false;
   };
   bool follow_place(size_t i, std::span<const Vec3f> u);  // true: its pair is not what it was
   void project(size_t i, const Vec3& x);
-  double farthest_mm(std::span<const Vec3f> u);  // that a node has moved since the last follow()
 
   std::shared_ptr<const Body> body_;
   std::vector<SidedPatch> patch_;  // per collider
   std::vector<Place> place_;
   std::vector<State> state_;
+  std::vector<Vec3> foot_mm_;  // per place and collider: the nearest point of that when it was asked for last; or NaN
   std::vector<Contact> contacts_;
-  std::vector<Vec3f> u_;     // at the last follow()
-  double travelled_mm_ = 0;  // of the node that moved farthest from one follow() to the next, added up
   bool resumed_ = false;
 };
 

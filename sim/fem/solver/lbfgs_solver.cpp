@@ -249,7 +249,7 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
   const double mass_per_s2 = s.dt_s > 0 ? 1 / (h * h) + s.damping_per_s / h : 0;
   if (lagging_iterations_ >= lags_for) {
     lagging_iterations_ = 0;
-    if (stretched_.follow(*model_, u_, augmented_, engine_)) give_metric_springs();
+    look_at_cells();
   }
   metric_.begin_step(mass_per_s2, s.adopt_after_steps, s.adopt_when_ready, s.adopt_now);
   const auto metric = [this](const NodeArray& r, NodeArray& z) { metric_.apply(r, z); };

@@ -13,7 +13,8 @@
 //         (Preconditioner; ComponentMetric where nodes are held along some axes);
 //         Armijo line search; when the change of energy is below the noise of single precision,
 //         the slope decides instead (Hager & Zhang 2005, "approximate Wolfe")
-//         where cells are drawn out many times H gets what it lacks there (stretched_cells.h)
+//         where cells are drawn out many times H gets what it lacks there (stretched_cells.h), where laws have
+//         hardened as well (hardened_cells.h)
 //   P     hanging nodes, if any, follow their masters: u is spread to them
 //         after every move, evaluate() hands their forces on, so g is zero
 //         there and they take no part in any product (hanging_nodes.h)
@@ -46,6 +47,7 @@
 #include "sim/fem/forces/dead_loads.h"
 #include "sim/fem/forces/spring_forces.h"
 #include "sim/fem/preconditioner/component_metric.h"
+#include "sim/fem/preconditioner/hardened_cells.h"
 #include "sim/fem/preconditioner/stretched_cells.h"
 #include "sim/fem/solver/distance_estimate.h"
 #include "sim/fem/solver/elastic_solver.h"
@@ -121,6 +123,7 @@ class LbfgsSolver final : public ElasticSolver {
   void begin_or_end_untangling(Value& value, bool dynamic);
   bool every_piece_is_held() const;
   void give_metric_springs();
+  void look_at_cells();  // what the metric lacks of them
   void make_loads();
   void find_loose_pieces();  // where contacts could push them
   void drop_held(NodeArray& a) const { put_held(a, {}); }
@@ -142,6 +145,7 @@ class LbfgsSolver final : public ElasticSolver {
   SpringForces forces_;
   std::vector<Preconditioner::SpringEntry> spring_rows_;  // of springs_
   StretchedCells stretched_;
+  HardenedCells hardened_;
   int lagging_iterations_ = 0;  // with a large residual, since a hook moved or cells were looked at
   ContactForces contacts_;
   Vec3 gravity_m_s2_ = Vec3::Zero();

@@ -112,7 +112,8 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, const ParentL
   contacts_ = ContactForces();
   load_list_.clear();
   make_loads(), loose_known_ = false;
-  metric_.set_model(model_, cell_parent);
+  hardened_.carry(cell_parent, cells);
+  metric_.set_model(hardened_.seen(model_, false), cell_parent);
   force_scale_ = 0, since_update_ = 0;
   tangled_iterations_ = 0, untangling_ = false;
   scale_.forget(), pairs_are_plain_ = false;
@@ -162,6 +163,13 @@ void LbfgsSolver::set_springs(std::span<const Spring> springs) {
   spring_rows_.clear();
   for (const Spring& s : springs_) spring_rows_.push_back({spring_row(*model_, s), s.lasting || !s.to_world});
   give_metric_springs();
+}
+
+void LbfgsSolver::look_at_cells() {
+  const bool stretched = stretched_.follow(*model_, u_, augmented_, engine_);
+  const bool hardened = !getenv("NOHARD") && !points_.empty() && hardened_.follow(*model_, u_, engine_);
+  if (hardened) metric_.set_model(hardened_.seen(model_, true), ParentList::identity(model_->cells.size()));
+  if (stretched || hardened) give_metric_springs();
 }
 
 void LbfgsSolver::give_metric_springs() {

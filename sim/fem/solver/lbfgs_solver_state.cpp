@@ -35,6 +35,7 @@ namespace {
 struct LbfgsPath final : SolverPath {
   ComponentMetric::Past metric;
   StretchedCells stretched;
+  HardenedCells hardened;
   int lagging_iterations = 0;
 };
 
@@ -42,13 +43,18 @@ struct LbfgsPath final : SolverPath {
 
 std::shared_ptr<const SolverPath> LbfgsSolver::path() const {
   auto path = std::make_shared<LbfgsPath>();
-  path->metric = metric_.past(), path->stretched = stretched_, path->lagging_iterations = lagging_iterations_;
+  path->metric = metric_.past(), path->lagging_iterations = lagging_iterations_;
+  path->stretched = stretched_, path->hardened = hardened_;
   return path;
 }
 
 void LbfgsSolver::take_up(const SolverPath& path) {
   const auto& p = dynamic_cast<const LbfgsPath&>(path);
   stretched_ = p.stretched, lagging_iterations_ = p.lagging_iterations;
+  if (!(hardened_ == p.hardened)) {
+    hardened_ = p.hardened;
+    metric_.set_model(hardened_.seen(model_, true), ParentList::identity(model_->cells.size()));
+  }
   metric_.take_up(p.metric);
   give_metric_springs();
 }
