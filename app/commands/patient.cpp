@@ -138,6 +138,7 @@ std::string words_of(const LaidTissue& t) {
 struct ResultPatient {
   std::string volume, series;
   std::string scene_file;
+  MaybeText skin_scene_file;
   double offset_HU = 0;
   std::vector<ResultBone> bones;
   ResultPatientCut mandible_cut, spine_cut;
@@ -154,7 +155,8 @@ struct ResultPatient {
   std::string reproduce;
 };
 void fields(ResultPatient& x, auto&& f) {
-  f("volume", x.volume), f("series", x.series), f("scene_file", x.scene_file), f("offset_HU", x.offset_HU);
+  f("volume", x.volume), f("series", x.series), f("scene_file", x.scene_file), f("skin_scene_file", x.skin_scene_file),
+      f("offset_HU", x.offset_HU);
   f("bones", x.bones), f("mandible_cut", x.mandible_cut), f("spine_cut", x.spine_cut);
   f("landmarks", x.landmarks), f("landmarks_missing", x.landmarks_missing), f("pitch_deg", x.pitch_deg);
   f("roll_deg", x.roll_deg), f("yaw_deg", x.yaw_deg), f("symmetry_rms_mm", x.symmetry_rms_mm);
@@ -193,19 +195,29 @@ std::vector<PlannedOperation> operations(const PatientModel& p, Workers& workers
   return plan_operations(ground, workers);
 }
 
-void write_files(const PatientOptions& o, const PatientModel& p, double reach_mm,
+/// A file that this patient has not, and that an earlier one in this folder may have left.
+void remove_old(const std::string& file) {
+  if (std::error_code ec; fs::exists(file, ec)) fs::remove(file, ec);
+}
+
+void write_files(const PatientOptions& o, const PatientModel& p, const PatientFlesh& flesh, double reach_mm,
                  const std::vector<PlannedOperation>& planned) {
-  const std::string& dir = o.common.out_dir;
+  const std::string &dir = o.common.out_dir, from = "From " + fs::path(o.input).lexically_normal().filename().string();
   for (const PatientBone& b : p.bone) simplex::save_mesh(b.mesh, dir + "/" + b.name + ".simplex");
   if (p.face.slots() > 0) simplex::save_mesh(p.face, dir + "/face.simplex");
-  write_whole_file(dir + "/patient.toml",
-                   patient_scene(p, reach_mm, "From " + fs::path(o.input).lexically_normal().filename().string()));
+  write_whole_file(dir + "/patient.toml", patient_scene(p, reach_mm, from));
+  if (!flesh.tri.empty()) {
+    write_whole_file(dir + "/flesh.obj", flesh_obj(flesh));
+    write_whole_file(dir + "/patient_skin.toml", patient_flesh_scene(p, from));
+  } else {
+    remove_old(dir + "/flesh.obj"), remove_old(dir + "/patient_skin.toml");
+  }
   for (const PlannedOperation& x : planned) {
     const std::string file = dir + "/" + x.name + ".jsonl";
     if (x.made())
       write_whole_file(file, to_text(x.script));
-    else if (std::error_code ec; fs::exists(file, ec))  // of an earlier patient in this folder
-      fs::remove(file, ec);
+    else
+      remove_old(file);
   }
 }
 
@@ -380,12 +392,20 @@ int run_patient(const PatientOptions& o) {
   }
   progress.note("soft tissue");
   const LaidTissue soft = lay_soft_tissue(p, kPatientTissue_kPa, kPatientTissueLayers, workers);
+  PatientFlesh flesh;
+  std::string no_flesh;
+  progress.note("soft tissue to be cut");
+  try {
+    flesh = make_patient_flesh(p, workers);
+  } catch (const InputError& e) {
+    no_flesh = e.what();
+  }
   progress.note("operations");
   const std::vector<PlannedOperation> planned = operations(p, workers);
   const double cpu_s = (bench::cpu_ms() - start_ms) * 1e-3;
   progress.clear();
   catch_interrupts();
-  write_files(o, p, soft.reach_mm, planned);
+  write_files(o, p, flesh, soft.reach_mm, planned);
   int64_t seen = 0, all = 0;
   for (const PatientBone& b : p.bone) seen += b.cortex.found, all += b.cortex.vertices;
   const double found = all > 0 ? double(seen) / double(all) : 0;
@@ -394,6 +414,10 @@ int run_patient(const PatientOptions& o) {
   notes.push_back(p.offset_why);
   notes.insert(notes.end(), p.notes.begin(), p.notes.end());
   notes.push_back(words_of(soft));
+  notes.push_back(no_flesh.empty() ? fmt::format("patient_skin.toml has soft tissue that can be cut: {} triangles, "
+                                                 "{:.0f} % of its skin over bone",
+                                                 flesh.tri.size(), 100 * flesh.over_bone)
+                                   : "there is no soft tissue to be cut (patient_skin.toml): " + no_flesh);
   for (const auto& [cut, name] : {std::pair(&p.parts.mandible, "the mandible"), std::pair(&p.parts.spine, "the spine")})
     if (const std::string w = cut_words(*cut, name, p.offset); !w.empty()) notes.push_back(w);
   for (const PlannedOperation& x : planned)
@@ -423,11 +447,15 @@ int run_patient(const PatientOptions& o) {
       p.anatomy.landmark.size(), p.anatomy.missing.size());
   for (const PlannedOperation& x : planned)
     if (x.made()) std::printf("script      %s/%s.jsonl\n", o.common.out_dir.c_str(), x.name.c_str());
-  std::printf("scene       %s/patient.toml\nwork        %.1f s of CPU time\n", o.common.out_dir.c_str(), cpu_s);
+  std::printf("scene       %s/patient.toml\n", o.common.out_dir.c_str());
+  if (no_flesh.empty()) std::printf("scene       %s/patient_skin.toml\n", o.common.out_dir.c_str());
+  std::printf("work        %.1f s of CPU time\n", cpu_s);
   for (const std::string& f : faults) say(o.input + ": " + f);
   Result result("patient", "");
   ResultPatient out;
-  out.volume = o.input, out.series = series, out.scene_file = "patient.toml", out.offset_HU = p.offset;
+  out.volume = o.input, out.series = series, out.scene_file = "patient.toml";
+  if (no_flesh.empty()) out.skin_scene_file = MaybeText("patient_skin.toml");
+  out.offset_HU = p.offset;
   for (const PatientBone& b : p.bone)
     out.bones.push_back({b.name, b.volume_cm3, b.cortex.thickness_mm, b.cortex.shift_mm, b.mesh.vertices(), b.genus});
   const auto cut = [&](const BoneCut& c) {
@@ -479,7 +507,10 @@ void add_patient(CLI::App& app, Chosen& chosen) {
   c->footer(
       "Leaves patient.toml (a scene), its meshes, operations on it (genioplasty, le_fort_1, sagittal_split, "
       "autorotation,\n"
-      "fronto_orbital: .jsonl; a note says which could not be made), result.json and report.html.\n"
+      "fronto_orbital: .jsonl; a note says which could not be made), patient_skin.toml (the same bones under soft "
+      "tissue "
+      "that\n"
+      "can be cut and sewn, flesh.obj), result.json and report.html.\n"
       "Exit status 3: less than 95 % of the skin is within two voxels of its mesh, or less than 90 % of the bone's\n"
       "vertices see a cortex.\n"
       "Example: limberg patient ct_folder --out out/patient\n"

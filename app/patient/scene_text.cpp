@@ -21,47 +21,93 @@ std::string quoted_toml(const std::string& text) {
   return out + "\"";
 }
 
-}  // namespace
-
-std::string patient_scene(const PatientModel& p, double reach_mm, const std::string& note) {
+/// The bones' section, and a place to go on with it.
+std::string head_section(const PatientModel& p, bool face) {
   std::string bones, fixed;
-  Vec3 low = Vec3::Constant(1e300), high = -low;
   for (const PatientBone& b : p.bone) {
     bones += (bones.empty() ? "" : ", ") + quoted_toml(b.name + ".simplex");
     if (b.name != "mandible") fixed += (fixed.empty() ? "" : ", ") + quoted_toml(b.name);
-    for (const Vec3& x : b.mesh.x_mm) low = low.cwiseMin(x), high = high.cwiseMax(x);
   }
-  const bool face = p.face.slots() > 0;
-  for (const Vec3& x : p.face.x_mm) low = low.cwiseMin(x), high = high.cwiseMax(x);
-  std::string t = "# Made by `limberg patient`; places in mm, x right, y forwards, z up, origin between the porions.\n";
-  t += "name = \"patient\"\nnote = " + quoted_toml(note) + "\n\n[head]\nsource = \"files\"\nbones = [" + bones + "]\n";
+  std::string t = "[head]\nsource = \"files\"\nbones = [" + bones + "]\n";
   if (face) t += "face = \"face.simplex\"\n";
-  t += "fixed = [" + fixed + "]\niterations_per_step = 12\n\n";
+  t += "fixed = [" + fixed + "]\niterations_per_step = 12\n";
   // The picture is in left, posterior, superior: the head's frame turned by half a circle about z, and back.
   Eigen::Isometry3d half_turn = Eigen::Isometry3d::Identity();
   half_turn.linear() = Vec3(-1, -1, 1).asDiagonal();
   const Eigen::Isometry3d picture = half_turn * p.anatomy.to_head.inverse();
-  t.pop_back();  // a [head] goes on
   t += "# To the frame of the CT: left, posterior, superior.\npicture_from_head = [";
   for (int i = 0; i < 3; ++i)
     t += fmt::format("{}[{:.12f}, {:.12f}, {:.12f}, {:.6f}]", i > 0 ? ", " : "", picture(i, 0), picture(i, 1),
                      picture(i, 2), picture(i, 3));
-  t += "]\n\n";
+  return t + "]\n";
+}
+
+std::string landmarks_section(const PatientModel& p, bool skin) {
+  std::string t = skin ? "\n[head.face_landmarks]\n" : "[head.landmarks]\n";
+  for (const FoundLandmark& l : p.anatomy.landmark)
+    if (l.on_skin == skin)
+      t += quoted_toml(l.name) + " = " + place(l.at_mm) + fmt::format("  # within {:.1f} mm a coordinate\n", l.sd_mm);
+  return t;
+}
+
+std::string camera_section(const PatientModel& p) {
+  Vec3 low = Vec3::Constant(1e300), high = -low;
+  for (const PatientBone& b : p.bone)
+    for (const Vec3& x : b.mesh.x_mm) low = low.cwiseMin(x), high = high.cwiseMax(x);
+  for (const Vec3& x : p.face.x_mm) low = low.cwiseMin(x), high = high.cwiseMax(x);
+  return "\n[camera]\ntarget_mm = " + place(0.5 * (low + high)) + "\nfrom = [-0.6, 1.0, 0.16]\nup = [0, 0, 1]\n" +
+         fmt::format("distance_mm = {:.0f}\nfov_deg = 26\n", 1.9 * (high - low).norm());
+}
+
+std::string scene_head(const std::string& name, const std::string& note) {
+  return "# Made by `limberg patient`; places in mm, x right, y forwards, z up, origin between the porions.\nname = " +
+         quoted_toml(name) + "\nnote = " + quoted_toml(note) + "\n\n";
+}
+
+}  // namespace
+
+std::string patient_scene(const PatientModel& p, double reach_mm, const std::string& note) {
+  const bool face = p.face.slots() > 0;
+  std::string t = scene_head("patient", note) + head_section(p, face) + "\n";
   if (face && reach_mm > 0)
     t += fmt::format(
         "# Soft tissue between bone and the skin over it.\n[[head.tissue]]\nname = \"soft tissue\"\nface = "
         "\"sn\"\nface_radius_mm = {:.0f}\nlayers = {}\nyoung_kPa = {:.0f}\nmode = \"finite_elements\"\n\n",
         reach_mm, kPatientTissueLayers, kPatientTissue_kPa);
-  for (const bool skin : {false, true}) {
-    if (skin && !face) break;
-    t += skin ? "\n[head.face_landmarks]\n" : "[head.landmarks]\n";
-    for (const FoundLandmark& l : p.anatomy.landmark)
-      if (l.on_skin == skin)
-        t += quoted_toml(l.name) + " = " + place(l.at_mm) + fmt::format("  # within {:.1f} mm a coordinate\n", l.sd_mm);
+  t += landmarks_section(p, false);
+  if (face) t += landmarks_section(p, true);
+  return t + camera_section(p);
+}
+
+std::string patient_flesh_scene(const PatientModel& p, const std::string& note) {
+  const auto& all = p.anatomy.landmark;
+  const auto sn = std::find_if(all.begin(), all.end(), [](const FoundLandmark& l) { return l.name == "sn"; });
+  const Vec3 origin = sn == all.end() ? Vec3(0, 90, -30) : sn->at_mm;
+  std::string t = scene_head("patient_skin", note) + head_section(p, false) + landmarks_section(p, false);
+  t += "\n# Script points [x, y] are mm seen from in front: x to the patient's left, y up.\n[body]\nsource = "
+       "\"obj\"\nmesh = \"flesh.obj\"\nchart_origin_mm = " +
+       place(origin) + "\nchart_e1 = [-1, 0, 0]\nchart_e2 = [0, 0, 1]\ntension_direction = [1, 0, 0]\n";
+  for (const auto& [part, what] : {std::pair(FleshPart::skin, "skin"), std::pair(FleshPart::bone, "held"),
+                                   std::pair(FleshPart::deep, "held_softly"), std::pair(FleshPart::side, "held")})
+    t += fmt::format("\n[[body.tag]]\nmaterial = \"{}\"\nwhat = \"{}\"\n", kFleshParts[size_t(part)], what);
+  t += "\n# As in the shipped face; the CT does not tell them.\n[[layer]]\nname = \"skin\"\nthickness_mm = "
+       "1.5\nyoung_kPa = 60\npoisson = 0.45\ndensity_kg_m3 = 1100\nprestretch_along = 1.08\nprestretch_across = "
+       "1.05\n\n[[layer]]\nname = \"fat and muscle\"\nthickness_mm = 100\nyoung_kPa = 15\npoisson = "
+       "0.45\ndensity_kg_m3 = 950\n\n[lattice]\ncell_mm = 5\nwound_cell_mm = 2.5\nrefine_fronts = "
+       "true\nrefine_pockets = false\n\n[solver]\niterations_per_step = 10\nseed = 1\n\n[tools]\nmax_depth_mm = "
+       "12\ndefault_depth_mm = 4\n";
+  return t + camera_section(p);
+}
+
+std::string flesh_obj(const PatientFlesh& f) {
+  std::string t = "# Soft tissue of a face from a CT, made by `limberg patient`: mm, x right, y forwards, z up.\n";
+  for (const Vec3& X : f.X_mm) t += fmt::format("v {:.3f} {:.3f} {:.3f}\n", X.x(), X.y(), X.z());
+  for (size_t part = 0; part < std::size(kFleshParts); ++part) {
+    t += fmt::format("usemtl {}\n", kFleshParts[part]);
+    for (size_t k = 0; k < f.tri.size(); ++k)
+      if (size_t(f.part[k]) == part)
+        t += fmt::format("f {} {} {}\n", f.tri[k][0] + 1, f.tri[k][1] + 1, f.tri[k][2] + 1);
   }
-  const Vec3 middle = 0.5 * (low + high);
-  t += "\n[camera]\ntarget_mm = " + place(middle) + "\nfrom = [-0.6, 1.0, 0.16]\nup = [0, 0, 1]\n" +
-       fmt::format("distance_mm = {:.0f}\nfov_deg = 26\n", 1.9 * (high - low).norm());
   return t;
 }
 

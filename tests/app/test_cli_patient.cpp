@@ -49,9 +49,25 @@ TEST_F(Cli, APatientFromACtIsASceneThatRuns) {
     }
   EXPECT_EQ(r["gallery"].size(), 12u);
   for (const json& p : r["gallery"]) EXPECT_TRUE(fs::exists(path("p") + "/" + p["picture"].get<std::string>())) << p;
-  for (const char* name : {"cranium.simplex", "mandible.simplex", "face.simplex", "patient.toml", "report.html"})
+  for (const char* name : {"cranium.simplex", "mandible.simplex", "face.simplex", "patient.toml", "flesh.obj", "patient_skin.toml",
+                           "report.html"})
     EXPECT_TRUE(fs::exists(path("p") + "/" + name)) << name;
   EXPECT_EQ(run("check " + path("p/patient.toml")).status, 0);
+
+  // The same patient's skin carries a flap.
+  const std::string skin = path("p/patient_skin.toml"), flap = path("flap.jsonl");
+  o = run("procedure rhomboid --scene " + skin + " --set side_mm=10 --at=42,-8 --out " + flap);
+  ASSERT_EQ(o.status, 0) << o.err;
+  o = run("operate " + skin + " " + flap + " --json " + path("flap.json"));
+  ASSERT_TRUE(o.status == 0 || o.status == 3) << o.err;  // 3: the verdict is not asked for here
+  const json closed = json::parse(slurp(path("flap.json")));
+  EXPECT_TRUE(closed["refused"].empty()) << closed["refused"];
+  EXPECT_LT(closed["residual"].get<double>(), 1e-4);
+  EXPECT_EQ(closed["head"]["fragments"].size(), 2u);
+  bool edges_meet = false;
+  for (const json& row : closed["verdict"])
+    edges_meet |= row["what"].get<std::string>().find("closed along its whole edge") != std::string::npos;
+  EXPECT_TRUE(edges_meet) << closed["verdict"];
 
   // The chin goes where the script says: forwards is forwards.
   o = run("operate " + path("p/patient.toml") + " " + path("p/genioplasty.jsonl") + " --json " + path("chin.json"));

@@ -167,7 +167,7 @@ void LbfgsSolver::set_springs(std::span<const Spring> springs) {
 
 void LbfgsSolver::look_at_cells() {
   const bool stretched = stretched_.follow(*model_, u_, augmented_, engine_);
-  const bool hardened = !getenv("NOHARD") && !points_.empty() && hardened_.follow(*model_, u_, engine_);
+  const bool hardened = !points_.empty() && hardened_.follow(*model_, u_, engine_);
   if (hardened) metric_.set_model(hardened_.seen(model_, true), ParentList::identity(model_->cells.size()));
   if (stretched || hardened) give_metric_springs();
 }

@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 
 #include "sim/base/error.h"
 #include "sim/body/block.h"
+#include "sim/contact/collider_contacts.h"
 #include "sim/measure/patient.h"
 #include "sim/patient/soft_tissue.h"
 #include "sim/patient/world.h"
@@ -130,6 +132,35 @@ TEST(Colliders, SkinGoesRoundABall) {
   double deepest = 0;
   for (const Vec3f& x : s.x_mm) deepest = std::max(deepest, kRadius_mm - (x.cast<double>() - centre).norm());
   EXPECT_LT(deepest, 0.25);
+}
+
+// A place is not asked for before it can have come within reach: what it then presses on is what somebody finds who
+// looks everywhere anew.
+TEST(Colliders, WhoWaitsForAPlaceMissesNone) {
+  InlineWorkers workers;
+  const World world(block(ball({3, 0, 8.5}, 6)), workers);
+  const SoftTissue& skin = *world.skin();
+  const auto surface = skin.topology();
+  const FemModel& model = skin.solver().model();
+  const auto fresh = [&] { return ColliderContacts(surface->body, surface->view, surface->embedding.flat(), model); };
+  ColliderContacts waits = fresh();
+  std::vector<Vec3f> u(model.X_mm.size(), Vec3f::Zero());
+  size_t most = 0;
+  for (int step = 0; step < 60; ++step) {
+    for (size_t i = 0; i < u.size(); ++i) {  // it bulges towards the ball, here and there by turns, and swings
+      const Vec3 X = model.X_mm[i];
+      const double up = 0.07 * step * std::exp(-X.head<2>().squaredNorm() / 200) + 0.4 * std::sin(0.9 * step + X.x());
+      u[i] = Vec3(0.3 * std::sin(0.5 * step), 0.3 * std::cos(0.7 * step + X.y()), up).cast<float>();
+    }
+    waits.follow(u, workers);
+    ColliderContacts anew = fresh();
+    anew.follow(u, workers);
+    std::set<std::array<int32_t, 8>> held;
+    for (const Contact& c : waits.contacts()) held.insert(c.a.node);
+    for (const Contact& c : anew.contacts()) EXPECT_TRUE(held.contains(c.a.node)) << "step " << step;
+    most = std::max(most, anew.contacts().size());
+  }
+  EXPECT_GT(most, 10u);
 }
 
 TEST(Colliders, UndoBringsBackWhatPressed) {

@@ -162,13 +162,13 @@ TEST(HardenedCells, TheSpectrumIsNarrowAgain) {
     fem::HardenedCells hard;
     ASSERT_TRUE(hard.follow(m, moved_by(m, drawn(stretch)), test::engine()));
     const double without = spread(m, m, drawn(stretch)), with = spread(m, *hard.seen(model, true), drawn(stretch));
-    RecordProperty("without_" + std::to_string(int(10 * stretch)), std::to_string(without));
-    RecordProperty("with_" + std::to_string(int(10 * stretch)), std::to_string(with));
-    std::printf("stretch %.1f: at rest %.0f, without %.0f, with %.0f\n", stretch, at_rest, without, with);
+    // 2026-11-29: at rest 58; without 48, 87, 153; with 17, 15, 23.
+    EXPECT_LT(with, at_rest / 2) << stretch;
+    EXPECT_GT(without, 2.5 * with) << stretch;
   }
 }
 
-/// The top is drawn to that stretch by springs; iterations to rest.
+/// Two sides are drawn to that stretch by springs; iterations to rest.
 int iterations(const LawPtr& law, double stretch, bool undone, std::vector<Vec3f>* end = nullptr) {
   const FemModel m = cube(5, law);
   InlineWorkers w;
@@ -214,9 +214,11 @@ TEST(HardenedCells, AnUndoneStepLeavesNoTrace) {
   for (size_t i = 0; i < straight.size(); ++i) ASSERT_EQ(straight[i], undone[i]) << i;
 }
 
-TEST(HardenedCells, DrawnFibresAndLimitsRestInFewIterations) {
+// 2026-11-29: 25 and 60; 41 and 88 with the metric as it is at rest. The bars lie half way.
+TEST(HardenedCells, DrawnFibresAndLimitsRestInFewerIterations) {
   const LawPtr limited = sum_of({neo_hookean(10), stretch_limits(0.8, 1.2, 2000)});
-  std::printf("fibres %d, limits %d\n", iterations(fibrous(), 1.5, false), iterations(limited, 1.5, false));
+  EXPECT_LT(iterations(fibrous(), 1.5, false), 33);
+  EXPECT_LT(iterations(limited, 1.5, false), 74);
 }
 
 }  // namespace test_hardened_cells

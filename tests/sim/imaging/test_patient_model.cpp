@@ -7,6 +7,8 @@
 
 #include "sim/base/error.h"
 #include "sim/geometry/bvh.h"
+#include "sim/geometry/validate.h"
+#include "sim/imaging/anatomy/patient_flesh.h"
 #include "sim/imaging/anatomy/patient_model.h"
 #include "sim/skull/simplex/dual.h"
 
@@ -161,6 +163,36 @@ void landmarks_and_frame_are_found() {
   EXPECT_NEAR(overjet, truth, 2 * 1.5);  // two landmarks
 }
 
+/// What can be cut lies within the skin and before bone, nearly as deep as bone lies where that is not far.
+void flesh_lies_between_skin_and_bone() {
+  InlineWorkers w;
+  const PatientModel& p = turned().patient;
+  const PatientFlesh f = make_patient_flesh(p, w);
+  ASSERT_EQ(f.part.size(), f.tri.size());
+  TriMesh mesh;
+  mesh.X_mm = f.X_mm, mesh.tri = f.tri;
+  const RestGrid grid{{0, 60, 0}};
+  for (Vec3& x : mesh.X_mm) x = grid.to_mm(grid.to_grid(x));
+  const SurfaceReport r = validate_surface(mesh, grid, "flesh");  // closed, of one part, nowhere in itself
+  EXPECT_EQ(r.genus, 0);
+  const simplex::FanTriangles skin = simplex::fan_triangles(p.face);
+  const Bvh on_skin(skin.X_mm, skin.tri);
+  double off_skin = 0, off_bone = 0;
+  size_t of_skin = 0, of_bone = 0;
+  for (size_t k = 0; k < f.tri.size(); ++k) {
+    const Vec3 x = (f.X_mm[size_t(f.tri[k][0])] + f.X_mm[size_t(f.tri[k][1])] + f.X_mm[size_t(f.tri[k][2])]) / 3;
+    EXPECT_GT(x.y(), kFleshBack_mm - 0.5);
+    if (f.part[k] == FleshPart::skin) off_skin += on_skin.closest(x).distance_mm, ++of_skin;
+    if (f.part[k] == FleshPart::bone)
+      off_bone += std::abs(std::min(to_bone(turned(), x, false), to_bone(turned(), x, true))), ++of_bone;
+  }
+  EXPECT_GT(of_skin, 2000u);
+  EXPECT_GT(of_bone, 500u);
+  EXPECT_LT(off_skin / double(of_skin), 0.2);
+  EXPECT_LT(off_bone / double(of_bone), kVoxel_mm);
+  EXPECT_GT(f.over_bone, 0.3);
+}
+
 // One test: the patient is made once, in half a minute.
 TEST(PatientModel, IsTheHeadThatWasInTheScanner) {
   {
@@ -182,6 +214,10 @@ TEST(PatientModel, IsTheHeadThatWasInTheScanner) {
   {
     SCOPED_TRACE("the vault is as thick as it is");
     the_vault_is_as_thick_as_it_is();
+  }
+  {
+    SCOPED_TRACE("flesh lies between skin and bone");
+    flesh_lies_between_skin_and_bone();
   }
   {
     SCOPED_TRACE("landmarks and frame are found");
