@@ -29,8 +29,8 @@ struct Way {
 
 const Vec3 kNoFoot = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
 
-/// From x to the surface of the collider that it is nearest to, or deepest in. `feet`: a point of each, or kNoFoot; takes
-/// the nearest ones.
+/// From x to the surface of the collider that it is nearest to, or deepest in. `feet`: a point of each, or kNoFoot;
+/// takes the nearest ones.
 Way way_to(std::span<const SidedPatch> patches, const Vec3& x, double far_mm, std::span<Vec3> feet) {
   Way best;
   for (size_t k = 0; k < patches.size(); ++k) {

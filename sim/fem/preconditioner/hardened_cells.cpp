@@ -85,7 +85,8 @@ bool HardenedCells::follow(const FemModel& m, const NodeArray& u, const Engine& 
   std::vector<Grouped> of_stencil(m.stencils.size());
   bool any = false;
   for (size_t s = 0; s < of_stencil.size(); ++s)
-    if (!m.stencils[s].points.empty()) of_stencil[s] = grouped(m, m.stencils[s]), any = true;
+    if (const auto& p = m.stencils[s].points; !p.empty() && !p[0].gradients)
+      of_stencil[s] = grouped(m, m.stencils[s]), any = true;
   if (!any) return false;
 
   struct Look {
@@ -154,7 +155,6 @@ std::shared_ptr<const FemModel> HardenedCells::seen(const std::shared_ptr<const 
       const auto B = point_gradients(s, p, model->cell_mm);
       s.K += p.volume_mm3 * (B * L * B.transpose());
     }
-    if (s.points[0].gradients) s.mean_gradients = s.points[0].gradients;
     s.points.clear();
     cell.stencil = int32_t(out->stencils.size());
     out->stencils.push_back(s);

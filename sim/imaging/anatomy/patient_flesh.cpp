@@ -8,6 +8,7 @@
 #include "sim/geometry/point_tree.h"
 #include "sim/geometry/sided_patch.h"
 #include "sim/geometry/triangle.h"
+#include "sim/geometry/validate.h"
 #include "sim/imaging/fit/graded_grid.h"
 #include "sim/imaging/fit/thinning.h"
 #include "sim/imaging/io/surface_file.h"
@@ -20,6 +21,9 @@ constexpr double kEdgeOfCell = 0.9;
 constexpr double kRoundSides_mm = 1.5;
 constexpr double kAlongNormal_mm = 1e-3;  // a ray begins so far below the skin
 constexpr double kNear_mm = 24;           // farther from the skin than this its distance matters no more
+// A mesh that touches itself where shapes are sharp is made again in other cells.
+constexpr double kTries[] = {1, 0.9, 1.1, 0.8, 0.7};
+constexpr double kRounded_mm = 1e-3;  // as files have them
 // The depth changes by kFleshSlope a mm along the skin; where the nearest place leaps, in folds, it may leap with it.
 constexpr double kFleshLipschitz = 2;
 
@@ -65,6 +69,23 @@ std::vector<Vec3> rim_of(const simplex::Mesh& m) {
                                   [&](int32_t f) { return simplex::is_end(m.kind(f)); }))
       rim.push_back(m.x_mm[size_t(v)]);
   return rim;
+}
+
+/// What keeps the surface from being a body; nothing: it can be one.
+std::string fault_of(const PatientFlesh& f) {
+  Vec3 low = f.X_mm.front(), high = low;
+  for (const Vec3& x : f.X_mm) low = low.cwiseMin(x), high = high.cwiseMax(x);
+  RestGrid grid{0.5 * (low + high)};
+  while (!grid.fits(low) || !grid.fits(high)) grid.unit_mm *= 2;
+  TriMesh m;
+  m.tri = f.tri;
+  for (const Vec3& x : f.X_mm) m.X_mm.push_back(grid.to_mm(grid.to_grid(x)));
+  try {
+    validate_surface(m, grid, "");
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "";
 }
 
 }  // namespace
@@ -114,12 +135,21 @@ PatientFlesh make_patient_flesh(const PatientModel& p, Workers& workers) {
     const At a = at(x);
     return smooth_max(std::max(a.s, -a.s - a.depth), sides(x, a), kRoundSides_mm);
   };
-  const auto cell = [&](const Vec3& x) { return std::clamp(kCellOfDepth * at(x).depth, kLeastCell_mm, kSkinCell_mm); };
   PatientFlesh f;
-  march_graded(set, cell, workers, f.X_mm, f.tri);
-  if (f.tri.empty()) throw InputError("", 0, "no soft tissue was found before the ear canals");
-  keep_largest(f.X_mm, f.tri);
-  thin_edges(f.X_mm, f.tri, set, [&](const Vec3& x) { return kEdgeOfCell * cell(x); });
+  std::string wrong;
+  for (const double times : kTries) {
+    const auto cell = [&](const Vec3& x) {
+      return times * std::clamp(kCellOfDepth * at(x).depth, kLeastCell_mm, kSkinCell_mm);
+    };
+    f = {};
+    march_graded(set, cell, workers, f.X_mm, f.tri);
+    if (f.tri.empty()) throw InputError("", 0, "no soft tissue was found before the ear canals");
+    keep_largest(f.X_mm, f.tri);
+    thin_edges(f.X_mm, f.tri, set, [&](const Vec3& x) { return kEdgeOfCell * cell(x); });
+    for (Vec3& x : f.X_mm) x = kRounded_mm * (x / kRounded_mm).array().round();
+    if (wrong = fault_of(f); wrong.empty()) break;
+  }
+  if (!wrong.empty()) throw InputError("", 0, "its surface is not sound: " + wrong);
   double skin_mm2 = 0, over_mm2 = 0;
   for (const Tri& t : f.tri) {
     const Vec3 &a = f.X_mm[size_t(t[0])], &b = f.X_mm[size_t(t[1])], &c = f.X_mm[size_t(t[2])];
