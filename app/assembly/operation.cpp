@@ -64,8 +64,7 @@ class Operation {
     for (int i = 0; i < steps; ++i) {
       step(residual);
       out.stalled = watch.look(out.last.residual, out.last.iterations) && out.last.residual > residual;
-      if ((out.last.residual <= residual || out.stalled) && patient_.settled()) return;
-      if (set_.interrupted && set_.interrupted()) return;
+      if ((out.last.residual <= residual && patient_.settled()) || (set_.interrupted && set_.interrupted())) return;
     }
   }
 
