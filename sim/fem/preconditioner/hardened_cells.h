@@ -13,7 +13,7 @@
 //
 // The metric is given another model than the minimiser: the same nodes and cells, where those in question name stencils
 // of their own. So all that is known of models (rows that a cut leaves alone, operators that are kept for an undo,
-// hanging nodes) holds for these as well. What a cell has goes over to those that a cut makes of it.
+// hanging nodes) holds for these too. What a cell has goes over to those that a cut makes of it.
 //
 // Cells that are no boxes of a lattice (shaped_cells.h) are left as they are: their models have no multilevel cycle that
 // could serve while a new factor is made.
