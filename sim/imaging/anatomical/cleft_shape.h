@@ -42,7 +42,7 @@ class Cleft {
     if (p.z() < line) return w;
     const double t = std::clamp((p.z() - kBelow_mm) / (kAbove_mm - kBelow_mm), 0., 1.);
     const double lateral = ramp(-7, -9, p.x());
-    const double red = (kRedBelow_mm + t * (kRedAbove_mm - kRedBelow_mm)) * (1 - 0.2 * lateral);
+    const double red = (kRedBelow_mm + t * (kRedAbove_mm - kRedBelow_mm)) * (1 - 0.1 * lateral);
     const double most = Mouth::red_to_mm(x) - line - kDark_mm;
     const double up = kDark_mm + most * std::min(1., off / red) + kQuick * std::max(0., off - red);
     w.z() = std::min(w.z(), line + up);
@@ -52,8 +52,8 @@ class Cleft {
  private:
   static constexpr double kWider_mm = 2.5, kFlatter_mm = 1.5;
   static constexpr double kUnmoved_mm = -37.5;                // above it no lip is shorter
-  static constexpr double kMedial_mm = 5.5, kLateral_mm = 3;  // by so much the margin lies higher beside the gap
-  static constexpr double kRedBelow_mm = 4.5, kRedAbove_mm = 1.7, kBelow_mm = -51, kAbove_mm = -42;  // of red lip
+  static constexpr double kMedial_mm = 4.5, kLateral_mm = 1.5;  // by so much the margin lies higher beside the gap
+  static constexpr double kRedBelow_mm = 5.5, kRedAbove_mm = 1.7, kBelow_mm = -53, kAbove_mm = -42;  // of red lip
   static constexpr double kDark_mm = 1.2;  // over the line where lips meet, which is dark on the picture
   static constexpr double kQuick = 2;      // beyond the red lip its picture's skin passes so much faster
 

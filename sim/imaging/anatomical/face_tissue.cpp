@@ -156,7 +156,7 @@ Opening between_cleft_lips(const SkinShape& skin, std::function<double(const Vec
     return smax(-Mouth::slit(Cleft::whole(p), kParted_mm), Cleft::gap(p), kCleftCorner_mm);
   };
   o.cell = [uncleft = o.cell](const Vec3& p) {
-    return std::min(uncleft(Cleft::whole(p)), std::max(1., -0.7 * Cleft::gap(p)));
+    return std::min(uncleft(Cleft::whole(p)), std::max(1., -0.8 * Cleft::gap(p)));
   };
   o.pictured = [face = std::move(face)](const Vec3& p) {
     const Vec3 seen = Cleft::pictured(p);
