@@ -13,7 +13,8 @@ namespace limberg::anatomical {
 
 class Cleft {
  public:
-  /// The place of the whole face that lies here. Distances of that face grow by kStretch times as much at most.
+  /// The place of the whole face that lies here. Distances of that face grow by kStretch times as much at most (1.75
+  /// was the most, looked at every quarter of a millimetre).
   static Vec3 whole(const Vec3& p) {
     const double ala = elementary::exp(-(p - Vec3(-14, 103, -36)).squaredNorm() / (2 * 10 * 10));
     const double dome = elementary::exp(-(p - Vec3(-8, 114, -22)).squaredNorm() / (2 * 7 * 7));
@@ -51,7 +52,7 @@ class Cleft {
 
  private:
   static constexpr double kWider_mm = 2.5, kFlatter_mm = 1.5;
-  static constexpr double kUnmoved_mm = -37.5;                // above it no lip is shorter
+  static constexpr double kUnmoved_mm = -37.5;                  // above it no lip is shorter
   static constexpr double kMedial_mm = 4.5, kLateral_mm = 1.5;  // by so much the margin lies higher beside the gap
   static constexpr double kRedBelow_mm = 5.5, kRedAbove_mm = 1.7, kBelow_mm = -53, kAbove_mm = -42;  // of red lip
   static constexpr double kDark_mm = 1.2;  // over the line where lips meet, which is dark on the picture

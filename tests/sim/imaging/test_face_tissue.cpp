@@ -151,8 +151,10 @@ TEST(FaceTissue, ACleftPartsTheUpperLipUpToABridgeBelowTheNostril) {
   constexpr double kStep_mm = 0.1;
   for (double x = -20; x < 0; x += kStep_mm) open += skin_y(x, -50) < 100;
   for (double z = -43; z < -36; z += kStep_mm) bridge += skin_y(-8, z) > 105;
-  EXPECT_GT(open * kStep_mm, 7), EXPECT_LT(open * kStep_mm, 9);
-  EXPECT_GT(bridge * kStep_mm, 3), EXPECT_LT(bridge * kStep_mm, 5);
+  EXPECT_GT(open * kStep_mm, 7);
+  EXPECT_LT(open * kStep_mm, 9);
+  EXPECT_GT(bridge * kStep_mm, 3);
+  EXPECT_LT(bridge * kStep_mm, 5);
   // The other half is whole.
   for (double x = 1; x < 20; ++x) EXPECT_GT(skin_y(x, -50), 98) << x;
   const anatomical::SkinShape skin;
