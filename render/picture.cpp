@@ -212,6 +212,7 @@ void draw_landmarks(Image& image, const TextPainter& text, const Snapshot& s, co
 
 Image PictureMaker::skin(const Snapshot& snapshot, const PictureOptions& options) {
   const RenderScene& scene = impl_->builder.build(snapshot, options.tool, options.strands);
+  if (options.props) impl_->builder.add_props(*options.props);
   DrawOptions draw = impl_->options();
   draw.face = options.face, draw.wireframe = options.wireframe;
   const View view = impl_->view(snapshot);

@@ -21,10 +21,13 @@
 
 namespace limberg {
 
+struct PropMesh;
+
 struct PictureOptions {
   std::string title;    // top left, bold; empty = none
   std::string caption;  // below the title
   ToolPose tool{};
+  const PropMesh* props = nullptr;  // what lies about besides. skin() only
   FaceLook face = FaceLook::solid;
   bool strands = false;    // the tissue between face and bone as a net
   bool wireframe = false;  // triangles as lines

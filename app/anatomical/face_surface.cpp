@@ -1,6 +1,7 @@
 // Writes the surfaces of the face that shipped scenes operate on, their materials and their picture:
 //
 //   limberg_face_surface app/scenes        -> anatomical_face.obj, .mtl and .png; anatomical_lips.obj, its lips parted;
+//                                             anatomical_cleft.obj, with a cleft of the upper lip;
 //                                             anatomical_teeth.obj and anatomical_gums.obj, which these lie against;
 //                                             anatomical_lids.obj, lids of the right eye parted; anatomical_eye.obj,
 //                                             _iris.obj and _pupil.obj, which these lie against
@@ -82,8 +83,10 @@ int main(int argc, char** argv) try {
   }
   const std::filesystem::path folder = argv[1];
   WorkersPool workers(2);
-  const std::pair<const char*, FaceOpenings> faces[] = {
-      {"face", {}}, {"lips", {.lips = Lips::parted}}, {"lids", {.lids = Lids::parted}}};
+  const std::pair<const char*, FaceOpenings> faces[] = {{"face", {}},
+                                                        {"lips", {.lips = Lips::parted}},
+                                                        {"cleft", {.lips = Lips::cleft}},
+                                                        {"lids", {.lids = Lids::parted}}};
   for (const auto& [name, open] : faces) {
     const FaceTissue face = make_face_tissue(workers, open);
     write_surface(face, (folder / fmt::format("anatomical_{}.obj", name)).string());

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "app/pictures/field_map.h"
+#include "app/pictures/pen_sheet.h"
 #include "app/pictures/pictures_drawn.h"
 #include "app/pictures/skin_fields.h"
 #include "app/report/parts.h"
@@ -200,9 +201,15 @@ bool draw_report_pictures(const std::string& dir, const std::vector<StageRow>& s
     PictureMaker pictures(kReportWidth, kReportHeight);
     pictures.focus_from(last);
     if (!stages.empty()) prepare_folder(dir + "/" + report_names::stages_dir);
-    for (const StageRow& s : stages)
-      if (drawn.next() && s.shown.topology)
-        write_png(dir + "/" + report_names::stage_picture(s.number, s.name), pictures.skin(s.shown, titled(s.name, w)));
+    for (const StageRow& s : stages) {
+      if (!drawn.next() || !s.shown.topology) continue;
+      PenSheet pen;
+      for (const Mark& m : s.pen) pen.hear(m);
+      pen.draw(s.shown, w);
+      PictureOptions stage = titled(s.name, w);
+      stage.props = &pen.props();
+      write_png(dir + "/" + report_names::stage_picture(s.number, s.name), pictures.skin(s.shown, stage));
+    }
     if (drawn.next()) write_png(dir + "/" + report_names::overview, pictures.skin(last));
     PictureOptions tension = titled(english("Tension of the skin"), w);
     tension.legend = w("Skin stretch"), tension.unit = w("% of length"), tension.decimal = w.decimal();

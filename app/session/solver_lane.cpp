@@ -236,11 +236,13 @@ bool SolverLane::apply(const Command& c, int64_t tick) {
   const Outcome o = patient_.apply(c);
   if (!o.done) return refuse(c, o.reason, tick), false;
   ++commands_;
+  if (const auto* m = std::get_if<Mark>(&c)) pen_.push_back(*m);
   if (const auto* s = std::get_if<Stage>(&c)) {
     StageRow row;
     row.number = int32_t(stages_.size()) + 1;
     row.name = s->name;
     row.t_s = seconds(tick);
+    row.pen = pen_;
     stages_.push_back(row);
     ch_.stages.push({row.number, ShortText(s->name)});
   }

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "app/pictures/pen_sheet.h"
 #include "app/pictures/pictures.h"
 #include "app/result/progress.h"
 #include "app/session/pace_watch.h"
@@ -16,7 +17,6 @@
 #include "app/window/live_measures.h"
 #include "app/window/orbit.h"
 #include "app/window/painted.h"
-#include "app/window/pen_sheet.h"
 #include "app/window/plan_sheet.h"
 #include "app/window/ray_cast.h"
 #include "app/window/skull_view.h"

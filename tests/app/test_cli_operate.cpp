@@ -70,3 +70,19 @@ TEST_F(Cli, AnInterruptKeepsWhatWasDone) {
   EXPECT_EQ(j["commands"].get<size_t>(), j["script"].size());
   EXPECT_NE(slurp(err).find("of 90001 actions"), std::string::npos) << slurp(err);
 }
+
+TEST_F(Cli, StagesShowWhatThePenHasDrawn) {
+  const std::string script = file("pen.jsonl", R"({"limberg_script":1,"scene":"rhomboid"}
+{"action":"stage","name":"skin"}
+{"action":"mark","path":[[-15,10],[15,10]]}
+{"action":"stage","name":"skin"}
+{"action":"mark","path":[[0,5],[0,15]],"wipes":true}
+{"action":"stage","name":"skin"}
+)");
+  const ::Outcome o = run("operate rhomboid " + script + " --out " + path("out"));
+  ASSERT_EQ(o.status, 0) << o.err;
+  if (!fs::exists(path("out/overview.png"))) GTEST_SKIP() << "no driver for pictures here";
+  const auto picture = [&](int number) { return slurp(path("out/stages/0" + std::to_string(number) + "-skin.png")); };
+  EXPECT_EQ(picture(1), picture(3));
+  EXPECT_NE(picture(1), picture(2));
+}

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "sim/geometry/bvh.h"
+#include "sim/imaging/anatomical/cleft_shape.h"
 #include "sim/imaging/anatomical/eye_shape.h"
 #include "sim/imaging/anatomical/mouth_bed.h"
 #include "sim/imaging/anatomical/mouth_shape.h"
@@ -38,6 +39,8 @@ constexpr double kThin = 0.8, kDeepEdge_mm = 4.5;                      // wanted
 // Lips that are parted: the slit between them, its edges, and how deep skin goes on over a lip's edge before it is
 // mucosa.
 constexpr double kParted_mm = 1.6, kMargin_mm = 0.5, kRedLip_mm = 7;
+// Of a cleft: how round the corners between its edges and the lip's margin are, and these edges themselves.
+constexpr double kCleftCorner_mm = 3, kCleftMargin_mm = 1;
 // Where the mouth's bed ends below, beside the chin, the tissue over it is hardly thicker than a cell of the grid.
 const SmallCells kOverBedsEnd{{28.7, 74, -88.4}, 7, 1.5};
 // A lip is 11 to 13 mm thick (as remembered of Stephan and Simpson 2008), less than a cheek.
@@ -146,6 +149,23 @@ Opening between_lips(const SkinShape& skin) {
   return o;
 }
 
+/// As between lips, and the gap of a cleft in the upper one. `face`: the skin that has it.
+Opening between_cleft_lips(const SkinShape& skin, std::function<double(const Vec3&)> face) {
+  Opening o = between_lips(skin);
+  o.slit = [](const Vec3& p) {
+    return smax(-Mouth::slit(Cleft::whole(p), kParted_mm), Cleft::gap(p), kCleftCorner_mm);
+  };
+  o.cell = [uncleft = o.cell](const Vec3& p) {
+    return std::min(uncleft(Cleft::whole(p)), std::max(1., -0.8 * Cleft::gap(p)));
+  };
+  o.pictured = [face = std::move(face)](const Vec3& p) {
+    const Vec3 seen = Cleft::pictured(p);
+    return face(p) < -kInMouth_mm && in_vestibule(p) ? as_red_lip(seen) : seen;
+  };
+  o.edge_mm = kCleftMargin_mm;
+  return o;
+}
+
 Opening between_lids() {
   Opening o;
   o.slit = Eye::fissure;
@@ -170,14 +190,18 @@ Opening between_lids() {
 
 FaceTissue make_face_tissue(Workers& workers, const FaceOpenings& open) {
   const bool bare_lids = open.lids == Lids::parted;
-  const SkinShape skin(bare_lids ? RightLids::bare : RightLids::upon_globe);
+  const bool cleft = open.lips == Lips::cleft;
+  const SkinShape uncleft(bare_lids ? RightLids::bare : RightLids::upon_globe);
+  const auto skin = [&](const Vec3& p) { return uncleft(cleft ? Cleft::whole(p) : p); };
   std::vector<Opening> openings;
-  if (open.lips == Lips::parted) openings.push_back(between_lips(skin));
+  if (open.lips == Lips::parted) openings.push_back(between_lips(uncleft));
+  if (cleft) openings.push_back(between_cleft_lips(uncleft, skin));
   if (bare_lids) openings.push_back(between_lids());
+  const double lipschitz = SkinShape::kLipschitz * (cleft ? Cleft::kStretch : 1);
   // Far inside, the shape's function is no distance: that to its surface is looked up.
   LevelSet whole;
   whole.distance_mm = [&](const Vec3& p) { return skin(p); };
-  whole.lipschitz = SkinShape::kLipschitz;
+  whole.lipschitz = lipschitz;
   whole.low_mm = {-105, -122, -140}, whole.high_mm = {105, 138, 142};
   std::vector<Vec3> on_skin;
   std::vector<Tri> skin_tri;
@@ -199,7 +223,7 @@ FaceTissue make_face_tissue(Workers& workers, const FaceOpenings& open) {
     for (const Opening& o : openings) shell = o.cut(shell, p);
     return shell;
   };
-  set.lipschitz = std::max(SkinShape::kLipschitz, openings.empty() ? 0 : MouthBed::kLipschitz);
+  set.lipschitz = std::max(lipschitz, openings.empty() ? 0 : MouthBed::kLipschitz);
   set.low_mm = {-105, kBack_mm - 4, kBottom_mm - 4}, set.high_mm = {105, 138, kTop_mm + 4};
   const auto cell = [&](const Vec3& p) {
     double at = skin(p) > -5 ? cell_at(p) : kDeepCell_mm;

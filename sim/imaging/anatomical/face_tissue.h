@@ -4,6 +4,7 @@
 //
 //   FaceTissue face = make_face_tissue(workers);          // some seconds; app/scenes/anatomical_face.obj holds it
 //   make_face_tissue(workers, {.lips = Lips::parted})     // app/scenes/anatomical_lips.obj
+//   make_face_tissue(workers, {.lips = Lips::cleft})      // app/scenes/anatomical_cleft.obj
 //   make_face_tissue(workers, {.lids = Lids::parted})     // app/scenes/anatomical_lids.obj
 //
 // It reaches from the scalp to beneath the chin and behind the ears. Skin is free; what lies on bone or was cut off
@@ -32,8 +33,9 @@ struct FaceTissue {
 inline constexpr double kFaceDepth_mm = 14;
 
 /// Parted, the lips have free margins: a slit between them through the tissue, and mucosa behind them, which nothing
-/// holds up to the folds of the vestibule. Otherwise they are one surface.
-enum class Lips : uint8_t { one_surface, parted };
+/// holds up to the folds of the vestibule. Otherwise they are one surface. Cleft: parted, and the left half of the upper
+/// one has a gap from its margin up to below the nostril (cleft_shape.h).
+enum class Lips : uint8_t { one_surface, parted, cleft };
 
 /// Parted, the lids of the right eye have free margins and the globe is no part of the tissue: mucosa lies before it
 /// (lid_bed.h) by a third of a millimetre, and is held behind the fornices. Otherwise lids and globe are one surface.

@@ -1,8 +1,8 @@
 // What the window keeps of a session beside the patient: the list of acts, and what the pen has drawn.
 #include <gtest/gtest.h>
 
+#include "app/pictures/pen_sheet.h"
 #include "app/window/act_history.h"
-#include "app/window/pen_sheet.h"
 #include "tests/devices/flat_patient.h"
 
 namespace limberg {

@@ -136,6 +136,32 @@ TEST(FaceTissue, PartedLipsHaveMarginsAndLieBeforeTeeth) {
   for (const Vec3& X : face.X_mm) ASSERT_GT(bed(X), -1) << X.transpose();  // its deep cells are 4 mm large
 }
 
+TEST(FaceTissue, ACleftPartsTheUpperLipUpToABridgeBelowTheNostril) {
+  const FaceTissue face = made({.lips = Lips::cleft});
+  is_the_shipped(face, "cleft", 0.01);
+  EXPECT_EQ(euler_of_closed(face), 0) << "gap and mouth are one hole";
+  is_as_thick_as_it_says(face);
+  const Bvh all(face.X_mm, face.tri);
+  const auto skin_y = [&](double x, double z) {
+    const auto hits = all.line(Vec3(x, 200, z), -Vec3::UnitY(), 0, 400);
+    return hits.empty() ? 0 : 200 - hits[0].t;
+  };
+  // The lip's skin lies before y = 100 mm here, what is behind the gap is not.
+  int open = 0, bridge = 0;
+  constexpr double kStep_mm = 0.1;
+  for (double x = -20; x < 0; x += kStep_mm) open += skin_y(x, -50) < 100;
+  for (double z = -43; z < -36; z += kStep_mm) bridge += skin_y(-8, z) > 105;
+  EXPECT_GT(open * kStep_mm, 7);
+  EXPECT_LT(open * kStep_mm, 9);
+  EXPECT_GT(bridge * kStep_mm, 3);
+  EXPECT_LT(bridge * kStep_mm, 5);
+  // The other half is whole.
+  for (double x = 1; x < 20; ++x) EXPECT_GT(skin_y(x, -50), 98) << x;
+  const anatomical::SkinShape skin;
+  const MouthBed bed(skin);
+  for (const Vec3& X : face.X_mm) ASSERT_GT(bed(X), -1) << X.transpose();  // its deep cells are 4 mm large
+}
+
 TEST(FaceTissue, PartedLidsHaveMarginsAndLieBeforeAGlobe) {
   using anatomical::Eye;
   const FaceTissue face = made({.lids = Lids::parted});

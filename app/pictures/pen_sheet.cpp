@@ -1,4 +1,4 @@
-#include "app/window/pen_sheet.h"
+#include "app/pictures/pen_sheet.h"
 
 #include <fmt/format.h>
 
