@@ -4,7 +4,8 @@
 //                                             anatomical_cleft.obj, with a cleft of the upper lip;
 //                                             anatomical_teeth.obj and anatomical_gums.obj, which these lie against;
 //                                             anatomical_lids.obj, lids of the right eye parted; anatomical_eye.obj,
-//                                             _iris.obj and _pupil.obj, which these lie against
+//                                             _iris.obj and _pupil.obj, which these lie against;
+//                                             anatomical_scalp.obj, the face with the scalp over the vertex
 #include <fmt/format.h>
 #include <fmt/os.h>
 
@@ -86,7 +87,8 @@ int main(int argc, char** argv) try {
   const std::pair<const char*, FaceOpenings> faces[] = {{"face", {}},
                                                         {"lips", {.lips = Lips::parted}},
                                                         {"cleft", {.lips = Lips::cleft}},
-                                                        {"lids", {.lids = Lids::parted}}};
+                                                        {"lids", {.lids = Lids::parted}},
+                                                        {"scalp", {.reach = FaceReach::scalp}}};
   for (const auto& [name, open] : faces) {
     const FaceTissue face = make_face_tissue(workers, open);
     write_surface(face, (folder / fmt::format("anatomical_{}.obj", name)).string());

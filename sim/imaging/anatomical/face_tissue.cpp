@@ -18,8 +18,9 @@ namespace {
 
 using namespace anatomical;
 
-// What is kept of the head.
+// What is kept of the head; for a flap that is turned down from the vertex the scalp over the top, too.
 constexpr double kBack_mm = -46, kTop_mm = 108, kBottom_mm = -104;
+constexpr double kScalpBack_mm = -62, kScalpTop_mm = 138;
 constexpr double kRound_mm = 1.5;  // radius of the edges between skin, depth and sides
 // The picture: angles about an axis between the ears, seen from above; 0 looks forwards.
 constexpr double kAxis_y_mm = 10, kTurn = 2.3;  // radians to either side
@@ -105,7 +106,14 @@ Vec3 as_lid(const Vec3& p) {
 
 double bump(const Vec3& p, const Vec3& c, double sd) { return elementary::exp(-(p - c).squaredNorm() / (2 * sd * sd)); }
 
-double sides(const Vec3& p) { return std::max({kBack_mm - p.y(), p.z() - kTop_mm, kBottom_mm - p.z()}); }
+struct Kept {
+  double back_mm, top_mm, bottom_mm;
+  double sides(const Vec3& p) const { return std::max({back_mm - p.y(), p.z() - top_mm, bottom_mm - p.z()}); }
+};
+Kept kept(FaceReach reach) {
+  return reach == FaceReach::scalp ? Kept{kScalpBack_mm, kScalpTop_mm, kBottom_mm}
+                                   : Kept{kBack_mm, kTop_mm, kBottom_mm};
+}
 
 double globes(const Vec3& p) {
   const Vec3 q(std::abs(p.x()), p.y(), p.z());
@@ -190,6 +198,7 @@ Opening between_lids() {
 
 FaceTissue make_face_tissue(Workers& workers, const FaceOpenings& open) {
   const bool bare_lids = open.lids == Lids::parted;
+  const Kept keep = kept(open.reach);
   const bool cleft = open.lips == Lips::cleft;
   const SkinShape uncleft(bare_lids ? RightLids::bare : RightLids::upon_globe);
   const auto skin = [&](const Vec3& p) { return uncleft(cleft ? Cleft::whole(p) : p); };
@@ -219,12 +228,12 @@ FaceTissue make_face_tissue(Workers& workers, const FaceOpenings& open) {
   set.distance_mm = [&](const Vec3& p) {
     const double s = skin(p);
     if (s > 10) return s;
-    double shell = smax(smax(s, deep(p, s), kRound_mm), sides(p), kRound_mm);
+    double shell = smax(smax(s, deep(p, s), kRound_mm), keep.sides(p), kRound_mm);
     for (const Opening& o : openings) shell = o.cut(shell, p);
     return shell;
   };
   set.lipschitz = std::max(lipschitz, openings.empty() ? 0 : MouthBed::kLipschitz);
-  set.low_mm = {-105, kBack_mm - 4, kBottom_mm - 4}, set.high_mm = {105, 138, kTop_mm + 4};
+  set.low_mm = {-105, keep.back_mm - 4, keep.bottom_mm - 4}, set.high_mm = {105, 138, keep.top_mm + 4};
   const auto cell = [&](const Vec3& p) {
     double at = skin(p) > -5 ? cell_at(p) : kDeepCell_mm;
     for (const Opening& o : openings) at = std::min(at, o.cell(p));
@@ -240,7 +249,7 @@ FaceTissue make_face_tissue(Workers& workers, const FaceOpenings& open) {
   });
   for (const Tri& t : f.tri) {
     const Vec3 c = (f.X_mm[size_t(t[0])] + f.X_mm[size_t(t[1])] + f.X_mm[size_t(t[2])]) / 3;
-    const double s = skin(c), e = sides(c);
+    const double s = skin(c), e = keep.sides(c);
     double d = deep(c, s);
     FacePart beneath = FacePart::deep;
     for (const Opening& o : openings)

@@ -6,6 +6,7 @@
 //   make_face_tissue(workers, {.lips = Lips::parted})     // app/scenes/anatomical_lips.obj
 //   make_face_tissue(workers, {.lips = Lips::cleft})      // app/scenes/anatomical_cleft.obj
 //   make_face_tissue(workers, {.lids = Lids::parted})     // app/scenes/anatomical_lids.obj
+//   make_face_tissue(workers, {.reach = FaceReach::scalp})  // app/scenes/anatomical_scalp.obj
 //
 // It reaches from the scalp to beneath the chin and behind the ears. Skin is free; what lies on bone or was cut off
 // deep is held, and so are the sides, where the face goes on, and the globes, which lids lie upon.
@@ -41,9 +42,13 @@ enum class Lips : uint8_t { one_surface, parted, cleft };
 /// (lid_bed.h) by a third of a millimetre, and is held behind the fornices. Otherwise lids and globe are one surface.
 enum class Lids : uint8_t { one_surface, parted };
 
+/// How much of the head: the face and the forehead's scalp; or the scalp over the vertex, too.
+enum class FaceReach : uint8_t { face, scalp };
+
 struct FaceOpenings {
   Lips lips = Lips::one_surface;
   Lids lids = Lids::one_surface;
+  FaceReach reach = FaceReach::face;
 };
 
 FaceTissue make_face_tissue(Workers& workers, const FaceOpenings& open = {});
