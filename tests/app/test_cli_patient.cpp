@@ -49,8 +49,8 @@ TEST_F(Cli, APatientFromACtIsASceneThatRuns) {
     }
   EXPECT_EQ(r["gallery"].size(), 12u);
   for (const json& p : r["gallery"]) EXPECT_TRUE(fs::exists(path("p") + "/" + p["picture"].get<std::string>())) << p;
-  for (const char* name : {"cranium.simplex", "mandible.simplex", "face.simplex", "patient.toml", "flesh.obj", "patient_skin.toml",
-                           "report.html"})
+  for (const char* name : {"cranium.simplex", "mandible.simplex", "face.simplex", "patient.toml", "flesh.obj",
+                           "patient_skin.toml", "report.html"})
     EXPECT_TRUE(fs::exists(path("p") + "/" + name)) << name;
   EXPECT_EQ(run("check " + path("p/patient.toml")).status, 0);
 

@@ -15,8 +15,8 @@
 // of their own. So all that is known of models (rows that a cut leaves alone, operators that are kept for an undo,
 // hanging nodes) holds for these too. What a cell has goes over to those that a cut makes of it.
 //
-// Cells that are no boxes of a lattice (shaped_cells.h) are left as they are: their models have no multilevel cycle that
-// could serve while a new factor is made.
+// Cells that are no boxes of a lattice (shaped_cells.h) are left as they are: their models have no multilevel cycle
+// that could serve while a new factor is made.
 #include <array>
 #include <memory>
 #include <vector>

@@ -34,8 +34,8 @@ struct FaceTissue {
 inline constexpr double kFaceDepth_mm = 14;
 
 /// Parted, the lips have free margins: a slit between them through the tissue, and mucosa behind them, which nothing
-/// holds up to the folds of the vestibule. Otherwise they are one surface. Cleft: parted, and the left half of the upper
-/// one has a gap from its margin up to below the nostril (cleft_shape.h).
+/// holds up to the folds of the vestibule. Otherwise they are one surface. Cleft: parted, and the left half of the
+/// upper one has a gap from its margin up to below the nostril (cleft_shape.h).
 enum class Lips : uint8_t { one_surface, parted, cleft };
 
 /// Parted, the lids of the right eye have free margins and the globe is no part of the tissue: mucosa lies before it
