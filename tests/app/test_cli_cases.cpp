@@ -74,3 +74,12 @@ TEST_F(Cli, OperationsOnALidCloseBeforeTheGlobeAndMeetTheirLessons) {
     EXPECT_EQ(o.out.find("verdict     bad"), std::string::npos) << o.out;
   }
 }
+
+// A lip that a cleft divides: pared, rotated, advanced, sewn in front and behind.
+TEST_F(Cli, ACleftOfTheLipClosesAndMeetsItsLesson) {
+  const Outcome o = run("operate --case lip-cleft --json " + path("r.json"));
+  EXPECT_EQ(o.status, 0) << o.err;
+  EXPECT_NE(o.out.find("closed along its whole edge"), std::string::npos) << o.out;
+  EXPECT_EQ(o.out.find("not met"), std::string::npos) << o.out;
+  EXPECT_EQ(o.out.find("verdict     bad"), std::string::npos) << o.out;
+}
