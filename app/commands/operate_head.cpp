@@ -83,9 +83,12 @@ int operate_head(const Scene& scene, const Script& script, const Lesson* lesson,
     patient.fill(s);
     look.bone = bone_outside(s);
   }
-  const std::vector<Judgement> judged = fill_exercise(
-      r, exercise(actions, metrics.value_or(Metrics{}), std::nullopt),
-      lesson ? bone_values(*lesson->bone, head, look.bone, actions, lesson->words.limits) : LessonValues{}, lesson);
+  const std::vector<Judgement> judged =
+      fill_exercise(r, exercise(actions, metrics.value_or(Metrics{}), std::nullopt),
+                    !lesson        ? LessonValues{}
+                    : lesson->bone ? bone_values(*lesson->bone, head, look.bone, actions, lesson->words.limits)
+                                   : lesson_values(metrics.value_or(Metrics{}), std::nullopt),
+                    lesson);
   print_judgements(judged);
   look.judged = judged;
   const std::vector<ResultVerdict> verdict = verdict_of(look);

@@ -500,8 +500,7 @@ std::string whole_path(const std::string& file) {
 }
 
 void check_lesson(const Lesson& lesson, const Scene& scene) {
-  const bool skin = scene.flesh && !scene.head;  // of a scene with both, the bones are judged
-  if (lesson.bone ? !scene.head : !skin)
+  if (lesson.bone ? !scene.head : !scene.flesh)
     throw InputError(lesson.file, 0,
                      "is a lesson on " + std::string(lesson.bone ? "bones" : "skin") + ", and the scene " + scene.name +
                          " is judged by its " + (scene.head ? "bones" : "skin") + "; expected a lesson on those");
