@@ -353,7 +353,8 @@ void tell_lesson(const Lesson& l) {
 }
 void tell_tolerances(const Lesson& l) {
   for (const auto& [name, limit] : l.tolerances) std::printf("  at most   %s %g\n", name.c_str(), limit);
-  std::printf("steps       %zu\nhints       %zu\n", l.steps.size(), l.hints.size());
+  const size_t steps = std::max(l.steps.size(), l.words.steps.size());  // told in a list, or each with its words
+  std::printf("steps       %zu\nhints       %zu\n", steps, l.hints.size());
 }
 
 /// Landmarks and figures that it names are there.

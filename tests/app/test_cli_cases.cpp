@@ -32,7 +32,7 @@ TEST_F(Cli, ACaseThatIsNoneIsRefusedWithTheNames) {
   for (const char* call : {"cases --case nose", "run --headless --seconds 1 --case nose", "operate --case nose"}) {
     const Outcome o = run(call);
     EXPECT_EQ(o.status, 2) << call;
-    EXPECT_NE(o.err.find("expected one of: autorotation, cheek-bilobed"), std::string::npos) << o.err;
+    EXPECT_NE(o.err.find("expected one of: autorotation, bicoronal"), std::string::npos) << o.err;
   }
   EXPECT_EQ(run("operate").status, 2);
   EXPECT_EQ(run("operate rhomboid").status, 2);
