@@ -197,7 +197,8 @@ std::vector<PlannedOperation> operations(const PatientModel& p, Workers& workers
 
 /// A file that this patient has not, and that an earlier one in this folder may have left.
 void remove_old(const std::string& file) {
-  if (std::error_code ec; fs::exists(file, ec)) fs::remove(file, ec);
+  std::error_code ec;
+  fs::remove(file, ec);
 }
 
 void write_files(const PatientOptions& o, const PatientModel& p, const PatientFlesh& flesh, double reach_mm,
@@ -505,12 +506,9 @@ void add_patient(CLI::App& app, Chosen& chosen) {
   c->add_option("--face-edge-mm", o->face_edge_mm, "Wanted edges of the skin's mesh [5]")->check(number_from(1.5, 15.));
   o->common.add_json(*c), o->common.add_workers(*c);
   c->footer(
-      "Leaves patient.toml (a scene), its meshes, operations on it (genioplasty, le_fort_1, sagittal_split, "
-      "autorotation,\n"
-      "fronto_orbital: .jsonl; a note says which could not be made), patient_skin.toml (the same bones under soft "
-      "tissue "
-      "that\n"
-      "can be cut and sewn, flesh.obj), result.json and report.html.\n"
+      "Leaves patient.toml (a scene), its meshes, operations on it (genioplasty, le_fort_1, sagittal_split,\n"
+      "autorotation, fronto_orbital: .jsonl; a note says which could not be made), patient_skin.toml (the same bones\n"
+      "under soft tissue that can be cut and sewn, flesh.obj), result.json and report.html.\n"
       "Exit status 3: less than 95 % of the skin is within two voxels of its mesh, or less than 90 % of the bone's\n"
       "vertices see a cortex.\n"
       "Example: limberg patient ct_folder --out out/patient\n"

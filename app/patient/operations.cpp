@@ -50,9 +50,8 @@ class Bench {
   Bench(const OperationGround& g, Workers& workers) : ground_(g), workers_(workers) {}
 
   std::optional<Vec3> at(const std::string& name) const {
-    for (const FoundLandmark& l : ground_.landmarks)
-      if (l.name == name) return l.at_mm;
-    return std::nullopt;
+    const FoundLandmark* l = find_landmark(ground_.landmarks, name);
+    return l ? std::optional(l->at_mm) : std::nullopt;
   }
   const simplex::Mesh* bone(const std::string& name) const {
     for (const auto& [n, mesh] : ground_.bones)

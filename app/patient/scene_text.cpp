@@ -2,24 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <string>
+
+#include "app/scene/first_scene.h"
+#include "app/scene/quoted_toml.h"
 
 namespace limberg {
 
 namespace {
 
 std::string place(const Vec3& x) { return fmt::format("[{:.2f}, {:.2f}, {:.2f}]", x.x(), x.y(), x.z()); }
-
-/// A TOML string.
-std::string quoted_toml(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text)
-    if (c == '"' || c == '\\')
-      out += '\\', out += c;
-    else if (static_cast<unsigned char>(c) >= 0x20 && c != 0x7f)
-      out += c;
-  return out + "\"";
-}
 
 /// The bones' section, and a place to go on with it.
 std::string head_section(const PatientModel& p, bool face) {
@@ -59,7 +51,8 @@ std::string camera_section(const PatientModel& p) {
          fmt::format("distance_mm = {:.0f}\nfov_deg = 26\n", 1.9 * (high - low).norm());
 }
 
-std::string scene_head(const std::string& name, const std::string& note) {
+std::string scene_head(const std::string& name, std::string note) {
+  std::erase_if(note, is_control);  // of a folder's name
   return "# Made by `limberg patient`; places in mm, x right, y forwards, z up, origin between the porions.\nname = " +
          quoted_toml(name) + "\nnote = " + quoted_toml(note) + "\n\n";
 }
@@ -80,22 +73,20 @@ std::string patient_scene(const PatientModel& p, double reach_mm, const std::str
 }
 
 std::string patient_flesh_scene(const PatientModel& p, const std::string& note) {
-  const auto& all = p.anatomy.landmark;
-  const auto sn = std::find_if(all.begin(), all.end(), [](const FoundLandmark& l) { return l.name == "sn"; });
-  const Vec3 origin = sn == all.end() ? Vec3(0, 90, -30) : sn->at_mm;
+  const FoundLandmark* sn = find_landmark(p.anatomy.landmark, "sn");
+  const Vec3 origin = sn ? sn->at_mm : Vec3(0, 90, -30);
   std::string t = scene_head("patient_skin", note) + head_section(p, false) + landmarks_section(p, false);
   t += "\n# Script points [x, y] are mm seen from in front: x to the patient's left, y up.\n[body]\nsource = "
        "\"obj\"\nmesh = \"flesh.obj\"\nchart_origin_mm = " +
        place(origin) + "\nchart_e1 = [-1, 0, 0]\nchart_e2 = [0, 0, 1]\ntension_direction = [1, 0, 0]\n";
-  for (const auto& [part, what] : {std::pair(FleshPart::skin, "skin"), std::pair(FleshPart::bone, "held"),
-                                   std::pair(FleshPart::deep, "held_softly"), std::pair(FleshPart::side, "held")})
+  for (const auto& [part, what] : {std::pair(FleshPart::skin, "skin"),
+                                   {FleshPart::bone, "held"},
+                                   {FleshPart::deep, "held_softly"},
+                                   {FleshPart::side, "held"}})
     t += fmt::format("\n[[body.tag]]\nmaterial = \"{}\"\nwhat = \"{}\"\n", kFleshParts[size_t(part)], what);
-  t += "\n# As in the shipped face; the CT does not tell them.\n[[layer]]\nname = \"skin\"\nthickness_mm = "
-       "1.5\nyoung_kPa = 60\npoisson = 0.45\ndensity_kg_m3 = 1100\nprestretch_along = 1.08\nprestretch_across = "
-       "1.05\n\n[[layer]]\nname = \"fat and muscle\"\nthickness_mm = 100\nyoung_kPa = 15\npoisson = "
-       "0.45\ndensity_kg_m3 = 950\n\n[lattice]\ncell_mm = 5\nwound_cell_mm = 2.5\nrefine_fronts = "
-       "true\nrefine_pockets = false\n\n[solver]\niterations_per_step = 10\nseed = 1\n\n[tools]\nmax_depth_mm = "
-       "12\ndefault_depth_mm = 4\n";
+  t += "\n# As in the shipped face; the CT does not tell them.\n" + layers_of_the_shipped_face(1.5) +
+       "\n[lattice]\ncell_mm = 5\nwound_cell_mm = 2.5\nrefine_fronts = true\nrefine_pockets = "
+       "false\n\n[solver]\niterations_per_step = 10\nseed = 1\n\n[tools]\nmax_depth_mm = 12\ndefault_depth_mm = 4\n";
   return t + camera_section(p);
 }
 

@@ -18,12 +18,6 @@ constexpr double kTry_mm = 1, kStepTime_s = 1. / 60;
 constexpr int kTrySteps = 300;      // no tissue that rested took more than 110 (2026-11-27)
 constexpr double kMostMove_mm = 5;  // of the face, for a bone that has moved by one: more runs away
 
-const FoundLandmark* find_sn(const PatientModel& p) {
-  const auto& all = p.anatomy.landmark;
-  const auto sn = std::find_if(all.begin(), all.end(), [](const FoundLandmark& l) { return l.name == "sn"; });
-  return sn == all.end() ? nullptr : &*sn;
-}
-
 /// Fills `out` and says whether the scene runs.
 bool holds(const PatientModel& p, const ConnectTissue& tissue, Workers& workers, LaidTissue& out) {
   HeadParts parts;
@@ -98,7 +92,7 @@ void measure(const PatientModel& p, const Vec3& about_mm, LaidTissue& out) {
 
 LaidTissue lay_soft_tissue(const PatientModel& p, double young_kPa, int layers, Workers& workers) {
   LaidTissue out;
-  const FoundLandmark* sn = find_sn(p);
+  const FoundLandmark* sn = find_landmark(p.anatomy.landmark, "sn");
   if (!sn || p.face.slots() == 0) {
     out.why = p.face.slots() == 0 ? "there is no skin" : "the landmark sn was not found";
     return out;

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "app/scene/quoted_toml.h"
 #include "app/scene/toml_table.h"
 #include "sim/base/whole_file.h"
 
@@ -27,20 +28,6 @@ RoomCheck check_of(const toml::table& table, const std::string& file) {
   if (c.step.empty() || c.what.empty()) t.fail("what", "is missing; expected step, what, value, limit and at_most");
   t.finish();
   return c;
-}
-
-/// A text of TOML, in quotes.
-std::string quoted(const std::string& text) {
-  std::string s = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\')
-      s += '\\', s += c;
-    else if (static_cast<unsigned char>(c) < 32 || c == 127)
-      s += fmt::format("\\u{:04x}", static_cast<unsigned char>(c));
-    else
-      s += c;
-  }
-  return s + "\"";
 }
 
 std::string file_of(const std::string& folder, const std::string& name) {
@@ -92,13 +79,13 @@ Room parse_room(const std::string& text, const std::string& file, const std::str
 
 std::string to_toml(const Room& r) {
   std::string s = "limberg_room = 1\n";
-  if (!r.date.empty()) s += "date = " + quoted(r.date) + "\n";
+  if (!r.date.empty()) s += "date = " + quoted_toml(r.date) + "\n";
   s += "devices = [";
-  for (size_t i = 0; i < r.devices.size(); ++i) s += (i ? ", " : "") + quoted(r.devices[i]);
+  for (size_t i = 0; i < r.devices.size(); ++i) s += (i ? ", " : "") + quoted_toml(r.devices[i]);
   s += std::string("]\ncalibrated = ") + (r.calibration.empty() ? "false" : "true") + "\n";
   for (const RoomCheck& c : r.checks) {
-    s += "\n[[check]]\nstep = " + quoted(c.step) + "\nwhat = " + quoted(c.what) + "\n";
-    if (!c.unit.empty()) s += "unit = " + quoted(c.unit) + "\n";
+    s += "\n[[check]]\nstep = " + quoted_toml(c.step) + "\nwhat = " + quoted_toml(c.what) + "\n";
+    if (!c.unit.empty()) s += "unit = " + quoted_toml(c.unit) + "\n";
     s += fmt::format("value = {:.6g}\nlimit = {:.6g}\nat_most = {}\n", std::isfinite(c.value) ? c.value : 1e9, c.limit,
                      c.at_most);
   }

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "app/scene/quoted_toml.h"
 #include "sim/geometry/bvh.h"
 #include "sim/geometry/triangle.h"
 
@@ -27,17 +28,15 @@ std::array<double, 6> area_of_sides(const TriMesh& m) {
 
 std::string list(const Vec3& v) { return fmt::format("[{:.4g}, {:.4g}, {:.4g}]", v.x(), v.y(), v.z()); }
 
-/// A quoted string of TOML.
-std::string quoted_toml(const std::string& s) {
-  std::string out = "\"";
-  for (const char c : s) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += c;
-  }
-  return out + '"';
-}
-
 }  // namespace
+
+std::string layers_of_the_shipped_face(double skin_mm) {
+  return fmt::format(
+      "[[layer]]\nname = \"skin\"\nthickness_mm = {:g}\nyoung_kPa = 60\npoisson = 0.45\ndensity_kg_m3 = "
+      "1100\nprestretch_along = 1.08\nprestretch_across = 1.05\n\n[[layer]]\nname = \"fat and muscle\"\nthickness_mm = "
+      "100\nyoung_kPa = 15\npoisson = 0.45\ndensity_kg_m3 = 950\n",
+      skin_mm);
+}
 
 std::string first_scene(const Body& body, const std::string& mesh) {
   const std::array<double, 6> area = area_of_sides(body.surface);
@@ -72,11 +71,7 @@ std::string first_scene(const Body& body, const std::string& mesh) {
       "{}\nscale_to_mm = 1\nchart_origin_mm = {} # script points [x, y] are mm from here\nchart_e1 = {}\nchart_e2 = "
       "{}\ntension_direction = {}\ndeep_direction = {} # what faces this way is held\n",
       quoted_toml(mesh), list(origin), list(e1), list(up), list(e1), list(-out));
-  t += fmt::format(
-      "\n[[layer]]\nname = \"skin\"\nthickness_mm = {:g}\nyoung_kPa = 60\npoisson = 0.45\ndensity_kg_m3 = "
-      "1100\nprestretch_along = 1.08\nprestretch_across = 1.05\n\n[[layer]]\nname = \"fat and muscle\"\nthickness_mm = "
-      "100\nyoung_kPa = 15\npoisson = 0.45\ndensity_kg_m3 = 950\n",
-      std::min(1.5, 0.2 * shortest));
+  t += "\n" + layers_of_the_shipped_face(std::min(1.5, 0.2 * shortest));
   t += fmt::format("\n[lattice]\ncell_mm = {:g}\nwound_cell_mm = {:g} # where a blade goes\n{}refine_pockets = false\n",
                    std::min(cell, shortest), std::min(cell, shortest) / 2,
                    longest > 150 ? "region_mm = 60 # what lies farther from the origin holds still\n" : "");

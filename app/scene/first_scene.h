@@ -13,4 +13,7 @@ namespace limberg {
 /// The scene's text. `mesh`: the surface's file, as the scene is to name it.
 std::string first_scene(const Body& body, const std::string& mesh);
 
+/// The [[layer]] sections of the shipped face, its skin so thick.
+std::string layers_of_the_shipped_face(double skin_mm);
+
 }  // namespace limberg

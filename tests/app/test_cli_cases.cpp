@@ -3,6 +3,12 @@
 
 #include "tests/app/cli.h"
 
+static void closes_and_meets_its_lesson(const Outcome& o) {
+  EXPECT_EQ(o.status, 0) << o.err;
+  EXPECT_NE(o.out.find("closed along its whole edge"), std::string::npos) << o.out;
+  EXPECT_EQ(o.out.find("not met"), std::string::npos) << o.out;
+}
+
 TEST_F(Cli, CasesAreListedOneALineAndTold) {
   const Outcome list = run("cases");
   ASSERT_EQ(list.status, 0) << list.err;
@@ -41,26 +47,20 @@ TEST_F(Cli, ACaseThatIsNoneIsRefusedWithTheNames) {
 
 TEST_F(Cli, AFlapOnTheCheekClosesAndMeetsItsLesson) {
   const Outcome o = run("operate --case cheek-v-y --json " + path("r.json"));
-  EXPECT_EQ(o.status, 0) << o.err;
-  EXPECT_NE(o.out.find("closed along its whole edge"), std::string::npos) << o.out;
-  EXPECT_EQ(o.out.find("not met"), std::string::npos) << o.out;
+  closes_and_meets_its_lesson(o);
 }
 
 // Through both skins of a thin fold: the piece is free, comes out, and edges meet in front and behind.
 TEST_F(Cli, AWedgeOfTheEarClosesAndMeetsItsLesson) {
   const Outcome o = run("operate --case ear-wedge --json " + path("r.json"));
-  EXPECT_EQ(o.status, 0) << o.err;
-  EXPECT_NE(o.out.find("closed along its whole edge"), std::string::npos) << o.out;
-  EXPECT_EQ(o.out.find("not met"), std::string::npos) << o.out;
+  closes_and_meets_its_lesson(o);
   EXPECT_EQ(o.out.find("tissue inside out"), std::string::npos) << o.out;
 }
 
 // Through skin, muscle and mucosa from a free margin: the lip lies before the teeth, and its edges meet.
 TEST_F(Cli, AWedgeOfTheLipClosesBeforeTheTeethAndMeetsItsLesson) {
   const Outcome o = run("operate --case lip-wedge --json " + path("r.json"));
-  EXPECT_EQ(o.status, 0) << o.err;
-  EXPECT_NE(o.out.find("closed along its whole edge"), std::string::npos) << o.out;
-  EXPECT_EQ(o.out.find("not met"), std::string::npos) << o.out;
+  closes_and_meets_its_lesson(o);
   EXPECT_EQ(o.out.find("verdict     bad"), std::string::npos) << o.out;
 }
 
@@ -68,9 +68,8 @@ TEST_F(Cli, AWedgeOfTheLipClosesBeforeTheTeethAndMeetsItsLesson) {
 TEST_F(Cli, OperationsOnALidCloseBeforeTheGlobeAndMeetTheirLessons) {
   for (const std::string name : {"lid-wedge", "lid-tenzel"}) {
     const Outcome o = run("operate --case " + name + " --json " + path("r.json"));
-    EXPECT_EQ(o.status, 0) << name << o.err;
-    EXPECT_NE(o.out.find("closed along its whole edge"), std::string::npos) << o.out;
-    EXPECT_EQ(o.out.find("not met"), std::string::npos) << o.out;
+    SCOPED_TRACE(name);
+    closes_and_meets_its_lesson(o);
     EXPECT_EQ(o.out.find("verdict     bad"), std::string::npos) << o.out;
   }
 }
@@ -78,8 +77,6 @@ TEST_F(Cli, OperationsOnALidCloseBeforeTheGlobeAndMeetTheirLessons) {
 // A lip that a cleft divides: pared, rotated, advanced, sewn in front and behind.
 TEST_F(Cli, ACleftOfTheLipClosesAndMeetsItsLesson) {
   const Outcome o = run("operate --case lip-cleft --json " + path("r.json"));
-  EXPECT_EQ(o.status, 0) << o.err;
-  EXPECT_NE(o.out.find("closed along its whole edge"), std::string::npos) << o.out;
-  EXPECT_EQ(o.out.find("not met"), std::string::npos) << o.out;
+  closes_and_meets_its_lesson(o);
   EXPECT_EQ(o.out.find("verdict     bad"), std::string::npos) << o.out;
 }

@@ -125,15 +125,19 @@ Mat24 points_tangent(const FemModel& m, const Stencil& s, const Vec3& cell_mm, c
   return H;
 }
 
+Mat3 scalar_stiffness_kPa(const MaterialLaw& law, const Mat3& F) {
+  const Mat9 C = law.tangent_kPa(F, true);
+  Mat3 D;
+  for (int j = 0; j < 3; ++j)
+    for (int l = 0; l < 3; ++l) D(j, l) = C.block<3, 3>(3 * j, 3 * l).trace() / 3;
+  return D;
+}
+
 Mat8 points_scalar(const FemModel& m, const Stencil& s, const Vec3& cell_mm) {
   Mat8 K = Mat8::Zero();
   for (const MaterialPoint& p : s.points) {
     const Gradients BM = point_gradients(s, p, cell_mm) * p.M;
-    const Mat9 C = law_of(m, p).tangent_kPa(p.M, true);
-    Mat3 D;
-    for (int j = 0; j < 3; ++j)
-      for (int l = 0; l < 3; ++l) D(j, l) = C.block<3, 3>(3 * j, 3 * l).trace() / 3;
-    K += p.volume_mm3 * (BM * D * BM.transpose());
+    K += p.volume_mm3 * (BM * scalar_stiffness_kPa(law_of(m, p), p.M) * BM.transpose());
   }
   return K;
 }

@@ -53,9 +53,10 @@ Eigen::Matrix<double, 24, 24> points_tangent(const FemModel& model, const Stenci
 /// Energy and 8 x 3 forces of one cell's points at u. Scale not applied.
 double points_force(const FemModel& model, const Stencil& stencil, const Vec3& cell_mm,
                     const Eigen::Matrix<double, 8, 3>& u, Eigen::Matrix<double, 8, 3>& force);
-/// What the points add to the scalar matrix of the preconditioner: sum V (grad N M) D
-/// (grad N M)^T, D_jl = the mean over i of dP_ij/dF_il of the law at F = M
-/// (projected): how stiff it is against gradients along each axis. Neo-Hookean: mu I.
+/// D_jl = the mean over i of dP_ij/dF_il of a law at F, projected: how stiff it is against gradients along each axis.
+/// Neo-Hookean: mu I.
+Mat3 scalar_stiffness_kPa(const MaterialLaw& law, const Mat3& F);
+/// What the points add to the scalar matrix of the preconditioner: sum V (grad N M) D (grad N M)^T, D at F = M.
 Mat8 points_scalar(const FemModel& model, const Stencil& stencil, const Vec3& cell_mm);
 
 /// A full cell of one law: 2 x 2 x 2 Gauss points, no K; lambda (reparametrised) at the centre; p0 such that a flat

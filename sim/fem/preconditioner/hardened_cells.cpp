@@ -44,11 +44,7 @@ struct Grouped {
 
 /// D of a group at the cell's corners, in the rest frame.
 Mat3 resistance(const Group& g, const Mat3& F) {
-  const Mat9 C = g.law->tangent_kPa(F * g.M, true);
-  Mat3 D;
-  for (int j = 0; j < 3; ++j)
-    for (int l = 0; l < 3; ++l) D(j, l) = C.block<3, 3>(3 * j, 3 * l).trace() / 3;
-  return g.part * g.M * D * g.M.transpose();
+  return g.part * g.M * scalar_stiffness_kPa(*g.law, F * g.M) * g.M.transpose();
 }
 
 Grouped grouped(const FemModel& m, const Stencil& s) {

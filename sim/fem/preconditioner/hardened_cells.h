@@ -6,7 +6,7 @@
 // neither a short list of directions (stretched_cells.h) nor one scale for everything (metric_scale.h) holds what is
 // lacking. So such cells enter the metric as stiff as they are: with
 //
-//   D_jl = the mean over i of dP_ij/dF_il  (material_points.h: points_scalar), now and at rest,
+//   D_jl = the mean over i of dP_ij/dF_il  (material_points.h: scalar_stiffness_kPa), now and at rest,
 //
 // the part above zero of L = D - D_rest is added to the scalar matrix of the cell, sum_points V (grad N) L (grad N)^T.
 // D is asked at the mean gradient of the points of one law: a look is to cost no more than a few iterations.

@@ -123,7 +123,8 @@ class LbfgsSolver final : public ElasticSolver {
   void begin_or_end_untangling(Value& value, bool dynamic);
   bool every_piece_is_held() const;
   void give_metric_springs();
-  void look_at_cells();  // what the metric lacks of them
+  void look_at_cells();    // what the metric lacks of them
+  void show_hard_cells();  // to the metric, which has this model already
   void make_loads();
   void find_loose_pieces();  // where contacts could push them
   void drop_held(NodeArray& a) const { put_held(a, {}); }

@@ -168,8 +168,12 @@ void LbfgsSolver::set_springs(std::span<const Spring> springs) {
 void LbfgsSolver::look_at_cells() {
   const bool stretched = stretched_.follow(*model_, u_, augmented_, engine_);
   const bool hardened = !points_.empty() && hardened_.follow(*model_, u_, engine_);
-  if (hardened) metric_.set_model(hardened_.seen(model_, true), ParentList::identity(model_->cells.size()));
+  if (hardened) show_hard_cells();
   if (stretched || hardened) give_metric_springs();
+}
+
+void LbfgsSolver::show_hard_cells() {
+  metric_.set_model(hardened_.seen(model_, true), ParentList::identity(model_->cells.size()));
 }
 
 void LbfgsSolver::give_metric_springs() {

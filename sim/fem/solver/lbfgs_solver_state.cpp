@@ -53,7 +53,7 @@ void LbfgsSolver::take_up(const SolverPath& path) {
   stretched_ = p.stretched, lagging_iterations_ = p.lagging_iterations;
   if (!(hardened_ == p.hardened)) {
     hardened_ = p.hardened;
-    metric_.set_model(hardened_.seen(model_, true), ParentList::identity(model_->cells.size()));
+    show_hard_cells();
   }
   metric_.take_up(p.metric);
   give_metric_springs();

@@ -14,7 +14,9 @@
 //
 // How far a landmark may be off (`sd_mm` per coordinate) is stated from how far its rule moved it from where the laid
 // skull has it, how flat the profile is on which it was sought, and the size of a voxel.
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim/base/workers.h"
@@ -40,6 +42,13 @@ struct FoundLandmark {
   bool on_skin = false;
   bool mirrored = false;  // not met: the mirror image of its fellow, brought to the surface
 };
+
+/// The one of that name; null: there is none.
+inline const FoundLandmark* find_landmark(std::span<const FoundLandmark> all, std::string_view name) {
+  for (const FoundLandmark& l : all)
+    if (l.name == name) return &l;
+  return nullptr;
+}
 
 struct Anatomy {
   Eigen::Isometry3d to_head = Eigen::Isometry3d::Identity();  // from the frame of the surfaces to that of the head

@@ -12,6 +12,7 @@
 #include "sim/imaging/fit/graded_grid.h"
 #include "sim/imaging/fit/thinning.h"
 #include "sim/imaging/io/surface_file.h"
+#include "sim/imaging/synthetic/head_shape.h"
 
 namespace limberg {
 namespace {
@@ -27,19 +28,15 @@ constexpr double kRounded_mm = 1e-3;  // as files have them
 // The depth changes by kFleshSlope a mm along the skin; where the nearest place leaps, in folds, it may leap with it.
 constexpr double kFleshLipschitz = 2;
 
-double smooth_max(double a, double b, double k) {
-  const double h = std::max(k - std::abs(a - b), 0.0) / k;
-  return std::max(a, b) + h * h * k / 4;
-}
-
 /// Depth of each vertex of the skin: to bone along its normal, and no steeper than kFleshSlope along edges.
-std::vector<double> depths(const TriMesh& skin, const std::vector<Vec3>& normal, const Bvh& bone,
+std::vector<double> depths(const TriMesh& skin, const SidedPatch& on_skin, const Bvh& bone,
                            std::vector<uint8_t>& over_bone) {
   const size_t n = skin.X_mm.size();
   std::vector<double> depth(n, kFleshDepth_mm);
   over_bone.assign(n, 0);
   for (size_t v = 0; v < n; ++v) {
-    const auto hits = bone.line(skin.X_mm[v] - kAlongNormal_mm * normal[v], -normal[v], 0, kFleshDepth_mm);
+    const Vec3& normal = on_skin.corner_normal(int32_t(v));
+    const auto hits = bone.line(skin.X_mm[v] - kAlongNormal_mm * normal, -normal, 0, kFleshDepth_mm);
     if (hits.empty()) continue;
     over_bone[v] = 1, depth[v] = std::max(kLeastFlesh_mm, hits.front().t);
   }
@@ -98,30 +95,30 @@ PatientFlesh make_patient_flesh(const PatientModel& p, Workers& workers) {
     skin.X_mm = std::move(s.x_mm), skin.tri = std::move(s.tri);
   }
   const SidedPatch on_skin(skin);
-  std::vector<Vec3> normal(skin.X_mm.size());
   Vec3 low = Vec3::Constant(1e300), high = -low;
-  for (size_t v = 0; v < normal.size(); ++v) {
-    normal[v] = on_skin.corner_normal(int32_t(v));
-    if (skin.X_mm[v].y() < kFleshBack_mm) continue;
-    low = low.cwiseMin(skin.X_mm[v]), high = high.cwiseMax(skin.X_mm[v]);
-  }
+  for (const Vec3& X : skin.X_mm)
+    if (X.y() >= kFleshBack_mm) low = low.cwiseMin(X), high = high.cwiseMax(X);
   if (!(low.x() < high.x())) throw InputError("", 0, "no skin lies before the ear canals; a face was expected there");
   Surface bones;
   for (const PatientBone& b : p.bone) append(bones, triangles_of(b.mesh));
   std::vector<uint8_t> over_bone;
-  const std::vector<double> depth = depths(skin, normal, Bvh(bones.x_mm, bones.tri), over_bone);
+  const std::vector<double> depth = depths(skin, on_skin, Bvh(bones.x_mm, bones.tri), over_bone);
   const std::vector<Vec3> rim = rim_of(p.face);
   const PointTree near_rim(rim);
 
   struct At {
     double s = 0, depth = kFleshDepth_mm;  // to the skin, below 0 within; of the tissue there
     double rim = -kFleshRim_mm;            // above 0: nearer than kFleshRim_mm to where the skin ends, along the skin
+    bool over_bone = false;
   };
   const auto at = [&](const Vec3& x) {
     const Bvh::Closest c = on_skin.bvh().closest(x, kNear_mm);
     if (c.triangle < 0) return At{kNear_mm};
     At a{(x - c.point_mm).dot(on_skin.side_normal(c)) < 0 ? -c.distance_mm : c.distance_mm, 0};
-    for (size_t k = 0; k < 3; ++k) a.depth += c.bary[k] * depth[size_t(skin.tri[size_t(c.triangle)][k])];
+    const Tri& corners = skin.tri[size_t(c.triangle)];
+    for (size_t k = 0; k < 3; ++k) a.depth += c.bary[k] * depth[size_t(corners[k])];
+    const size_t nearest = size_t(std::max_element(c.bary.begin(), c.bary.end()) - c.bary.begin());
+    a.over_bone = over_bone[size_t(corners[nearest])] != 0;
     // At the foot: beyond the end, too, nearness to the skin's rim would be depth below it.
     if (!rim.empty()) a.rim = kFleshRim_mm - near_rim.nearest(c.point_mm).distance;
     return a;
@@ -133,7 +130,7 @@ PatientFlesh make_patient_flesh(const PatientModel& p, Workers& workers) {
   set.low_mm.y() = kFleshBack_mm - 4;
   set.distance_mm = [&](const Vec3& x) {
     const At a = at(x);
-    return smooth_max(std::max(a.s, -a.s - a.depth), sides(x, a), kRoundSides_mm);
+    return shape::smax(std::max(a.s, -a.s - a.depth), sides(x, a), kRoundSides_mm);
   };
   PatientFlesh f;
   std::string wrong;
@@ -155,18 +152,15 @@ PatientFlesh make_patient_flesh(const PatientModel& p, Workers& workers) {
     const Vec3 &a = f.X_mm[size_t(t[0])], &b = f.X_mm[size_t(t[1])], &c = f.X_mm[size_t(t[2])];
     const Vec3 middle = (a + b + c) / 3;
     const At m = at(middle);
-    const Bvh::Closest foot = on_skin.bvh().closest(middle, kNear_mm);
     const double e = sides(middle, m), d = -m.s - m.depth;
-    const size_t corner = size_t(std::max_element(foot.bary.begin(), foot.bary.end()) - foot.bary.begin());
-    const bool bone = foot.triangle >= 0 && over_bone[size_t(skin.tri[size_t(foot.triangle)][corner])];
     const FleshPart part = m.s >= std::max(d, e) ? FleshPart::skin
                            : e > d               ? FleshPart::side
-                           : bone                ? FleshPart::bone
+                           : m.over_bone         ? FleshPart::bone
                                                  : FleshPart::deep;
     f.part.push_back(part);
     if (part != FleshPart::skin) continue;
     const double area = 0.5 * area_vector2(a, b, c).norm();
-    skin_mm2 += area, over_mm2 += bone ? area : 0;
+    skin_mm2 += area, over_mm2 += m.over_bone ? area : 0;
   }
   f.over_bone = skin_mm2 > 0 ? over_mm2 / skin_mm2 : 0;
   return f;

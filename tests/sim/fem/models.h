@@ -43,6 +43,16 @@ inline std::vector<Vec3f> to_float(const std::vector<Vec3>& u) {
   return f;
 }
 
+/// Every node where a homogeneous F takes it.
+inline NodeArray moved_by(const FemModel& m, const Mat3& F) {
+  NodeArray u(m.X_mm.size());
+  for (size_t i = 0; i < u.size(); ++i) {
+    const Vec3 d = (F - Mat3::Identity()) * m.X_mm[i];
+    u[i] = {float(d[0]), float(d[1]), float(d[2]), 0};
+  }
+  return u;
+}
+
 /// The model with the nodes on the plane x = 0 doubled for |y| < half_length: a through cut. Cells keep their order.
 inline FemModel cut_at_x0(const FemModel& before, double half_length_mm) {
   FemModel m = before;

@@ -19,15 +19,6 @@ FemModel box(int x, int y, int z) {
   return box_model(b);
 }
 
-NodeArray moved_by(const FemModel& m, const Mat3& F) {
-  NodeArray u(m.X_mm.size());
-  for (size_t i = 0; i < u.size(); ++i) {
-    const Vec3 d = (F - Mat3::Identity()) * m.X_mm[i];
-    u[i] = {float(d[0]), float(d[1]), float(d[2]), 0};
-  }
-  return u;
-}
-
 /// The volumetric energy's Hessian traced over x, y and z, by differences: V ke/2 (J - 1)^2 of the cell's sample point,
 /// without what comes of the slope at J (J = 1 in these cases).
 Mat8 volumetric(const FemModel& m, const Mat3& F) {
@@ -53,7 +44,7 @@ TEST(StretchedCells, RowsAreWhatTheMetricLacks) {
   const Mat3 Q = Eigen::AngleAxisd(1.1, Vec3(-1, 1, 2).normalized()).toRotationMatrix();
   const Mat3 F = R * Vec3(6, 1.5, 1 / 9.0).asDiagonal() * Q.transpose();  // J = 1; thin along Q's third axis
   fem::StretchedCells stretched;
-  ASSERT_TRUE(stretched.follow(m, moved_by(m, F), true, test::engine()));
+  ASSERT_TRUE(stretched.follow(m, test::moved_by(m, F), true, test::engine()));
   ASSERT_EQ(stretched.rows().size(), 2u);  // a direction of each cell
   Mat8 rows = Mat8::Zero();                // the first one's
   const fem::SpringRow& r = stretched.rows()[0];
@@ -81,22 +72,24 @@ TEST(StretchedCells, RowsAreWhatTheMetricLacks) {
 TEST(StretchedCells, NothingAtRestNorForALittleMoreNorForOneNorInATangle) {
   const FemModel m = box(2, 1, 1);
   fem::StretchedCells stretched;
-  EXPECT_FALSE(stretched.follow(m, moved_by(m, Mat3::Identity()), true, test::engine()));
+  EXPECT_FALSE(stretched.follow(m, test::moved_by(m, Mat3::Identity()), true, test::engine()));
   const Mat3 R = Eigen::AngleAxisd(2, Vec3::UnitX()).toRotationMatrix();
-  EXPECT_FALSE(stretched.follow(m, moved_by(m, R), true, test::engine()));
-  EXPECT_FALSE(stretched.follow(m, moved_by(m, Vec3(2, 1, 0.5).asDiagonal()), true, test::engine()));
-  ASSERT_TRUE(stretched.follow(m, moved_by(m, Vec3(9, 1, 1 / 9.0).asDiagonal()), true, test::engine()));
+  EXPECT_FALSE(stretched.follow(m, test::moved_by(m, R), true, test::engine()));
+  EXPECT_FALSE(stretched.follow(m, test::moved_by(m, Vec3(2, 1, 0.5).asDiagonal()), true, test::engine()));
+  ASSERT_TRUE(stretched.follow(m, test::moved_by(m, Vec3(9, 1, 1 / 9.0).asDiagonal()), true, test::engine()));
   const int32_t id = stretched.rows()[0].id;
   EXPECT_LT(id, 0);
-  EXPECT_FALSE(stretched.follow(m, moved_by(m, Vec3(10, 1, 0.1).asDiagonal()), true, test::engine()));  // near enough
-  ASSERT_TRUE(stretched.follow(m, moved_by(m, Vec3(25, 1, 0.04).asDiagonal()), true, test::engine()));
+  EXPECT_FALSE(
+      stretched.follow(m, test::moved_by(m, Vec3(10, 1, 0.1).asDiagonal()), true, test::engine()));  // near enough
+  ASSERT_TRUE(stretched.follow(m, test::moved_by(m, Vec3(25, 1, 0.04).asDiagonal()), true, test::engine()));
   EXPECT_NE(stretched.rows()[0].id, id);
-  EXPECT_TRUE(stretched.follow(m, moved_by(m, Mat3::Identity()), true, test::engine()));  // they are there no more
+  EXPECT_TRUE(
+      stretched.follow(m, test::moved_by(m, Mat3::Identity()), true, test::engine()));  // they are there no more
   EXPECT_TRUE(stretched.rows().empty());
 
   const FemModel one = box(1, 1, 1), many = box(5, 5, 5);
-  EXPECT_FALSE(stretched.follow(one, moved_by(one, Vec3(9, 1, 1 / 9.0).asDiagonal()), true, test::engine()));
-  EXPECT_FALSE(stretched.follow(many, moved_by(many, Vec3(9, 1, 1 / 9.0).asDiagonal()), true, test::engine()));
+  EXPECT_FALSE(stretched.follow(one, test::moved_by(one, Vec3(9, 1, 1 / 9.0).asDiagonal()), true, test::engine()));
+  EXPECT_FALSE(stretched.follow(many, test::moved_by(many, Vec3(9, 1, 1 / 9.0).asDiagonal()), true, test::engine()));
 }
 
 }  // namespace test_stretched_cells

@@ -162,6 +162,16 @@ TEST(FaceTissue, ACleftPartsTheUpperLipUpToABridgeBelowTheNostril) {
   for (const Vec3& X : face.X_mm) ASSERT_GT(bed(X), -1) << X.transpose();  // its deep cells are 4 mm large
 }
 
+TEST(FaceTissue, TheScalpGoesOverTheVertex) {
+  const FaceTissue face = made({.reach = FaceReach::scalp});
+  is_the_shipped(face, "scalp", 0.01);
+  EXPECT_EQ(euler_of_closed(face), 2);
+  double top = 0, back = 0;
+  for (const Vec3& X : face.X_mm) top = std::max(top, X.z()), back = std::min(back, X.y());
+  EXPECT_GT(top, 125);
+  EXPECT_LT(back, -55);
+}
+
 TEST(FaceTissue, PartedLidsHaveMarginsAndLieBeforeAGlobe) {
   using anatomical::Eye;
   const FaceTissue face = made({.lids = Lids::parted});
