@@ -4,7 +4,9 @@
 #include <cstdint>
 
 #include "render/colour_map.h"
+#include "render/image.h"
 #include "sim/body/collider.h"
+#include "sim/body/skin_image.h"
 
 namespace limberg {
 
@@ -16,6 +18,12 @@ std::string glb_bytes(std::string json, const std::string& binary) {
   word(uint32_t(json.size())), word(0x4E4F534A), out += json;
   word(uint32_t(binary.size())), word(0x004E4942), out += binary;
   return out;
+}
+
+std::string png_of(const SkinImage& image) {
+  Image out;
+  out.width = image.width, out.height = image.height, out.rgb = image.rgb;
+  return encode_png(out);
 }
 
 GltfLook look_of(const Collider& c) {

@@ -35,6 +35,12 @@ inline constexpr std::array<GltfLook, 8> kGltfLooks{{{"skin", .80, .55, .45, .6}
                                                      {"thread", .10, .14, .45, .5},
                                                      {"hook", .55, .56, .60, .3}}};
 
+struct SkinImage;
+/// The picture on the skin as a PNG file; empty: it has no pixels.
+std::string png_of(const SkinImage& image);
+/// Texture coordinates of glTF: from above. `uv`: as the patient has them, from below (sim/body/skin_image.h).
+inline std::array<float, 2> from_above(float u, float v) { return {u, 1 - v}; }
+
 struct Collider;
 /// How one looks; the name lasts as long as it does.
 GltfLook look_of(const Collider& c);
@@ -48,6 +54,17 @@ Json gltf_material(const GltfLook& l) {
           {"pbrMetallicRoughness",
            {{"baseColorFactor", {l.r, l.g, l.b, 1.0}}, {"metallicFactor", 0}, {"roughnessFactor", l.rough}}},
           {"doubleSided", true}};
+}
+
+/// The skin of a file whose materials are there looks as the PNG in its buffer view `view`, by the texture coordinates
+/// of the set of that number.
+template <class Json>
+void put_on_skin(Json& file, int view, int set) {
+  file["images"] = Json::array({{{"bufferView", view}, {"mimeType", "image/png"}}});
+  file["textures"] = Json::array({{{"source", 0}}});
+  Json& skin = file["materials"][kSkinLook]["pbrMetallicRoughness"];
+  skin["baseColorFactor"] = {1, 1, 1, 1};
+  skin["baseColorTexture"] = {{"index", 0}, {"texCoord", set}};
 }
 
 }  // namespace limberg

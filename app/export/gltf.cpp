@@ -45,6 +45,11 @@ class GltfBuffer {
         {{"bufferView", v}, {"componentType", 5121}, {"normalized", true}, {"count", rgba.size()}, {"type", "VEC4"}});
     return int(accessors.size()) - 1;
   }
+  int places_in_picture(const std::vector<Eigen::Vector2f>& uv) {
+    return floats(uv[0].data(), uv.size(), 2, "VEC2", 34962);
+  }
+  /// A file as it is: its view; -1: it is empty.
+  int file(const std::string& content) { return content.empty() ? -1 : view(content.data(), content.size(), 0); }
   int indices(const std::vector<uint32_t>& index) {
     const int v = view(index.data(), index.size() * 4, 34963);
     accessors.push_back({{"bufferView", v}, {"componentType", 5125}, {"count", index.size()}, {"type", "SCALAR"}});
@@ -98,7 +103,7 @@ void GltfStory::frame(int series, double t_s, const std::string& key, std::vecto
   if (x_mm.empty()) return;
   if (now < 0) {
     now = int(shapes_.size());
-    shapes_.push_back({key, name, lines, parts(), {}, {}});
+    shapes_.push_back({key, name, lines, parts(), {}, {}, {}});
   }
   Shape& s = shapes_[size_t(now)];
   if (!s.t_s.empty() && !(t_s > s.t_s.back())) {  // one moment, seen twice: as it was seen last
@@ -106,6 +111,33 @@ void GltfStory::frame(int series, double t_s, const std::string& key, std::vecto
     return;
   }
   s.t_s.push_back(t_s), s.x_mm.push_back(std::move(x_mm));
+}
+
+GltfStory::Pictured GltfStory::pictured(const SurfaceView& view, const std::string& key) {
+  Pictured p;
+  p.key = key;
+  const size_t n = view.X_mm.size();
+  p.uv.assign(n, Eigen::Vector2f::Zero());
+  std::vector<bool> has(n, false);
+  std::multimap<uint32_t, uint32_t> again;  // of a vertex of the view: where it comes again
+  for (size_t t = 0; t < view.tri.size(); ++t) {
+    auto& out = p.tri.emplace_back();
+    for (size_t k = 0; k < 3; ++k) {
+      const uint32_t v = uint32_t(view.tri[t][int(k)]);
+      out[k] = v;
+      if (view.kind[t] != FaceKind::skin) continue;
+      const auto [u, from_top] = from_above(view.uv[t][k].x(), view.uv[t][k].y());
+      const Eigen::Vector2f at(u, from_top);
+      if (!has[v]) p.uv[v] = at, has[v] = true;
+      if (p.uv[v] == at) continue;
+      const auto [first, last] = again.equal_range(v);
+      const auto found = std::find_if(first, last, [&](const auto& a) { return p.uv[a.second] == at; });
+      out[k] = found != last ? found->second : uint32_t(p.uv.size());
+      if (found != last) continue;
+      again.emplace(v, out[k]), p.more.push_back(v), p.uv.push_back(at);
+    }
+  }
+  return p;
 }
 
 void GltfStory::add(double t_s, const std::string& name, const Snapshot& snapshot) {
@@ -116,20 +148,28 @@ void GltfStory::add(double t_s, const std::string& name, const Snapshot& snapsho
   const SurfaceTopology& topology = *snapshot.topology;
   if (topology.body) colliders_ = topology.body->colliders;
   const SurfaceView& view = topology.view;
+  const std::string version = std::to_string(topology.version) + "/" + std::to_string(topology.hash);
+  std::vector<Vec3f> x_mm = snapshot.x_mm;
+  if (topology.image && view.uv.size() == view.tri.size()) {
+    image_ = topology.image;
+    if (pictured_.key != version) pictured_ = pictured(view, version);
+    for (const uint32_t v : pictured_.more) x_mm.push_back(snapshot.x_mm[v]);
+  }
+  const bool on_it = pictured_.key == version;
   const auto surface_parts = [&] {
     static const char* const kNames[] = {"skin", "wound", "side", "face", "bone", "cut bone"};
     std::map<int, Part> by_look;
     for (size_t t = 0; t < view.tri.size(); ++t) {
       const int look = gltf_look(topology, t);
       Part& p = by_look.try_emplace(look, Part{kNames[look], look, {}}).first->second;
-      for (const int32_t v : view.tri[t]) p.index.push_back(uint32_t(v));
+      for (size_t k = 0; k < 3; ++k) p.index.push_back(on_it ? pictured_.tri[t][k] : uint32_t(view.tri[t][k]));
     }
     std::vector<Part> out;
     for (auto& [look, p] : by_look) out.push_back(std::move(p));
     return out;
   };
-  frame(0, t_s, std::to_string(topology.version) + "/" + std::to_string(topology.hash), snapshot.x_mm, surface_parts,
-        "surface", false);
+  frame(0, t_s, version, std::move(x_mm), surface_parts, "surface", false);
+  if (on_it) shapes_[size_t(last_[0])].uv = pictured_.uv;
 
   // Lines: their two ends, and numbers that say which they are.
   const auto lines = [&](int series, const char* what, int look,
@@ -169,8 +209,10 @@ std::string GltfStory::bytes(const std::string& title) const {
       targets.push_back({{"POSITION", buffer.positions(way)}});
     }
     GltfJson primitives = GltfJson::array();
+    GltfJson attributes{{"POSITION", position}};
+    if (!s.uv.empty()) attributes["TEXCOORD_0"] = buffer.places_in_picture(s.uv);
     for (const Part& p : s.parts) {
-      primitives.push_back({{"attributes", {{"POSITION", position}}},
+      primitives.push_back({{"attributes", attributes},
                             {"indices", buffer.indices(p.index)},
                             {"material", p.material},
                             {"mode", s.lines ? 1 : 4}});
@@ -216,6 +258,7 @@ std::string GltfStory::bytes(const std::string& title) const {
     nodes.push_back({{"name", c->name}, {"mesh", meshes.size() - 1}});
     materials.push_back(gltf_material<GltfJson>(look_of(*c)));
   }
+  const int picture = image_ ? buffer.file(png_of(*image_)) : -1;
   // mm to m, z up to y up: a turn by -90 degrees about x.
   GltfJson root{{"name", title}, {"rotation", {-0.70710678, 0, 0, 0.70710678}}, {"scale", {.001, .001, .001}}};
   root["children"] = children;
@@ -231,6 +274,7 @@ std::string GltfStory::bytes(const std::string& title) const {
              {"accessors", buffer.accessors},
              {"bufferViews", buffer.views},
              {"buffers", GltfJson::array({{{"byteLength", buffer.bytes.size()}}})}};
+  if (picture >= 0) put_on_skin(j, picture, 0);
   if (!channels.empty())
     j["animations"] = GltfJson::array({{{"name", "operation"}, {"channels", channels}, {"samplers", samplers}}});
   return glb_bytes(j.dump(-1, ' ', false, GltfJson::error_handler_t::replace), buffer.bytes);

@@ -4,6 +4,7 @@
 //   Surface   for each version of the surface between two cuts a mesh with a primitive for each thing (skin, wound,
 //             side, face, bone); how it moves is morph targets, one for each further frame, run through by an
 //             animation. Nodes are shown in their time: their scale steps from 0 to 1 and back.
+//   Picture   that on the skin, where it has one: vertices at its seams are there once for each side.
 //   Stitches and hooks are lines, in the same way. Colliders are there once and do not move.
 //
 // Metres and y up, as glTF wants it: the root node scales mm and turns z up into y up. No normals: where none are given
@@ -43,6 +44,7 @@ class GltfStory {
     std::string key, name;
     bool lines = false;
     std::vector<Part> parts;
+    std::vector<Eigen::Vector2f> uv;  // of each vertex, from above; empty: no picture
     std::vector<double> t_s;
     std::vector<std::vector<Vec3f>> x_mm;  // per frame
     double until_s = -1;                   // when it goes; < 0: it stays
@@ -50,7 +52,18 @@ class GltfStory {
   void frame(int series, double t_s, const std::string& key, std::vector<Vec3f> x_mm,
              const std::function<std::vector<Part>()>& parts, const char* name, bool lines);
 
+  /// The skin's vertices parted along the seams of its picture.
+  struct Pictured {
+    std::string key;                           // the surface's
+    std::vector<uint32_t> more;                // vertices of the view that come again, after all of it
+    std::vector<std::array<uint32_t, 3>> tri;  // in all of these
+    std::vector<Eigen::Vector2f> uv;           // from above
+  };
+  static Pictured pictured(const SurfaceView& view, const std::string& key);
+
   std::vector<Shape> shapes_;
+  Pictured pictured_;
+  std::shared_ptr<const SkinImage> image_;
   std::vector<std::shared_ptr<const Collider>> colliders_;
   int last_[3] = {-1, -1, -1};  // of each series: the shape that is there now
   std::vector<std::pair<double, std::string>> moments_;

@@ -61,10 +61,12 @@ TissueMesh coarser_away(const TissueMesh& mesh, const Vec3f& low, const Vec3f& h
     for (const int32_t s : clusters[c])
       for (const uint32_t v : splits[size_t(s)]) {
         cluster_of[v] = int32_t(c);
-        float best = -2;
+        // Where the picture on the skin has a seam, on the same side of it.
+        const auto apart = [&](uint32_t w) { return mesh.uv.empty() ? 0.0f : (mesh.uv[w] - mesh.uv[v]).norm(); };
+        float best = -4;
         for (const uint32_t w : splits[size_t(kept)])
-          if (mesh.part[w] == mesh.part[v] && normal[w].dot(normal[v]) > best)
-            best = normal[w].dot(normal[v]), to[v] = w;
+          if (const float like = normal[w].dot(normal[v]) - apart(w); mesh.part[w] == mesh.part[v] && like > best)
+            best = like, to[v] = w;
       }
   }
   // What would turn a triangle over comes apart again.

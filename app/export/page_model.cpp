@@ -114,6 +114,14 @@ class PageBuffer {
       accessors[size_t(a)]["max"] = {*std::max_element(v.begin(), v.end())};
     return a;
   }
+  /// A file as it is: its view; -1: it is empty.
+  int file(const std::string& content) {
+    if (content.empty()) return -1;
+    views.push_back({{"buffer", 0}, {"byteOffset", bytes.size()}, {"byteLength", content.size()}});
+    bytes += content;
+    while (bytes.size() % 4) bytes += '\0';
+    return int(views.size()) - 1;
+  }
   int bytes_of(const std::vector<uint8_t>& v) { return accessor(v.data(), v.size(), 1, 5121, "SCALAR", 0, true); }
   int indices(std::span<const std::array<uint32_t, 3>> tri, size_t vertices) {
     if (vertices <= 65535) {
@@ -128,33 +136,11 @@ class PageBuffer {
   static constexpr int kVertices = 34962, kIndices = 34963;
 };
 
-/// The picture on the skin as a colour of each vertex, where there is one; else its own colours; else nothing.
-std::vector<std::array<uint8_t, 4>> own_colours(const TissueMesh& m) {
-  if (!m.image || m.uv.size() != m.source.size()) return m.rgba;
-  const SkinImage& image = *m.image;
-  std::vector<std::array<uint8_t, 4>> out(m.source.size(), std::array<uint8_t, 4>{});
-  for (size_t v = 0; v < out.size(); ++v) {
-    if (m.part[v] != Part::skin || image.width < 1 || image.height < 1) continue;
-    const int x = std::clamp(int(m.uv[v].x() * float(image.width)), 0, image.width - 1),
-              y = std::clamp(int((1 - m.uv[v].y()) * float(image.height)), 0, image.height - 1);
-    const size_t at = 3 * (size_t(y) * size_t(image.width) + size_t(x));
-    if (at + 2 < image.rgb.size()) out[v] = {image.rgb[at], image.rgb[at + 1], image.rgb[at + 2], 255};
-  }
-  for (size_t v = 0; v < out.size() && m.rgba.size() == out.size(); ++v) {  // a region's colour lies on the picture
-    const std::array<uint8_t, 4>& own = m.rgba[v];
-    const double share = out[v][3] == 0 ? 1 : own[3] / 255.0;
-    for (size_t c = 0; c < 3; ++c) out[v][c] = uint8_t(out[v][c] + share * (own[c] - out[v][c]) + 0.5);
-    out[v][3] = std::max(out[v][3], own[3]);
-  }
-  return out;
-}
-
 class PageWriter {
  public:
   PageBuffer buffer;
   PageJson meshes = PageJson::array(), nodes = PageJson::array(), samplers = PageJson::array(),
            channels = PageJson::array(), children = PageJson::array();
-  bool coloured = false;
 
   void shape(const PageShape& s, double from, double until, double first, double last, bool moving) {
     const TissueMesh& m = *s.mesh;
@@ -170,9 +156,16 @@ class PageWriter {
       about[v] = {uint8_t(std::clamp(std::lround(m.depth_mm[v] / kDepthStep_mm), 0l, 255l)),
                   uint8_t(std::clamp(std::lround(m.rim_mm[v] / kRimReach_mm * 255), 0l, 255l)), uint8_t(m.part[v]), 0};
     attributes["_DEPTH_RIM_PART"] = buffer.accessor(about.data(), about.size(), 4, 5121, "VEC4", PageBuffer::kVertices);
-    if (const auto rgba = own_colours(m); !rgba.empty()) {
-      coloured = true;
-      attributes["COLOR_0"] = buffer.accessor(rgba.data(), rgba.size(), 4, 5121, "VEC4", PageBuffer::kVertices, true);
+    // Not COLOR_0, which other programs multiply by: these are sRGB and lie over what is there, by their last number.
+    if (!m.rgba.empty())
+      attributes["_COLOUR"] =
+          buffer.accessor(m.rgba.data(), m.rgba.size(), 4, 5121, "VEC4", PageBuffer::kVertices, true);
+    if (m.image && m.uv.size() == m.source.size()) {
+      std::vector<std::array<uint16_t, 2>> at(m.uv.size());
+      for (size_t v = 0; v < at.size(); ++v)
+        for (size_t k = 0; const float x : from_above(m.uv[v].x(), m.uv[v].y()))
+          at[v][k++] = uint16_t(std::lround(std::clamp(x, 0.0f, 1.0f) * 65535));
+      attributes["TEXCOORD_1"] = buffer.accessor(at.data(), at.size(), 4, 5123, "VEC2", PageBuffer::kVertices, true);
     }
     PageJson targets = PageJson::array();
     for (size_t f = 1; f < s.x.size(); ++f) {
@@ -417,6 +410,9 @@ std::string PageModel::bytes(const std::string& title, const Camera& camera, dou
     materials.push_back(gltf_material<PageJson>(look_of(*c)));
   }
 
+  int picture = -1;  // the view that it lies in
+  if (const auto& image = last_shown.topology->image) picture = w.buffer.file(png_of(*image));
+
   PageJson told_fields = PageJson::array();
   for (const PageField& f : fields) {
     const SkinFieldLook& look = look_of(f.field);
@@ -475,6 +471,7 @@ std::string PageModel::bytes(const std::string& title, const Camera& camera, dou
              {"accessors", w.buffer.accessors},
              {"bufferViews", w.buffer.views},
              {"buffers", PageJson::array({{{"byteLength", w.buffer.bytes.size()}}})}};
+  if (picture >= 0) put_on_skin(j, picture, 1);
   if (!w.channels.empty())
     j["animations"] = PageJson::array({{{"name", "operation"}, {"channels", w.channels}, {"samplers", w.samplers}}});
   std::string out = glb_bytes(j.dump(-1, ' ', false, PageJson::error_handler_t::replace), w.buffer.bytes);

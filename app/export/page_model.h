@@ -4,6 +4,8 @@
 //
 //   Places     whole steps of kPageStep_mm (KHR_mesh_quantization); for each version of the surface a mesh with a
 //              primitive for each part, split where pictures split it; how it moves is morph targets of whole steps.
+//   Picture    that on the skin, where it has one, as PNG, and its places (TEXCOORD_1). Colours of regions lie over it
+//              (_COLOUR: sRGB, and how much of it is seen).
 //   Colliders  what the tissue lies against, once, marked as still in the extras of their meshes.
 //   Fields     what the report's maps show (pictures/skin_fields.h), a byte per vertex and frame: 0 to 255 over the
 //              scale, which is that of the last frame for all.

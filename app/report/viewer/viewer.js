@@ -36,8 +36,15 @@ function w(text, ...values) {
 async function unpack(base64) {
   const text = atob(base64), packed = new Uint8Array(text.length);
   for (let i = 0; i < packed.length; ++i) packed[i] = text.charCodeAt(i);
-  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('gzip'));
-  const glb = new Uint8Array(await new Response(stream).arrayBuffer());
+  // Not a Blob's stream, whose pieces come from another process: 2 s of them for 3 MB.
+  const stream = new DecompressionStream('gzip'), into = stream.writable.getWriter(), from = stream.readable.getReader();
+  const sent = into.write(packed).then(() => into.close());
+  const pieces = [];
+  let size = 0;
+  for (let piece; !(piece = await from.read()).done; size += piece.value.length) pieces.push(piece.value);
+  await sent;
+  const glb = new Uint8Array(size);
+  for (let i = 0, at = 0; i < pieces.length; at += pieces[i++].length) glb.set(pieces[i], at);
   const words = new DataView(glb.buffer), jsonLength = words.getUint32(12, true);
   const json = JSON.parse(new TextDecoder().decode(glb.subarray(20, 20 + jsonLength)));
   const bin = 28 + jsonLength;
@@ -76,14 +83,23 @@ function readModel(file) {
       moved: (first.targets || []).map((t) => numbers(file, t.POSITION)),
       chart: numbers(file, named.TEXCOORD_0),
       about: numbers(file, named._DEPTH_RIM_PART),
-      rgba: named.COLOR_0 === undefined ? null : numbers(file, named.COLOR_0),
+      rgba: named._COLOUR === undefined ? null : numbers(file, named._COLOUR),
+      at_picture: named.TEXCOORD_1 === undefined ? null : numbers(file, named.TEXCOORD_1),
       fields: about.fields.map((row) => row.map((a) => (a === null ? null : numbers(file, a)))),
       parts: mesh.primitives.map((p, i) => ({name: about.parts[i], index: numbers(file, p.indices)}))
     };
   });
   for (const frame of told.frames)
     for (const s of frame.stitches || []) s.path = evenly(s.path, 7);
-  return {told, shapes, still};
+  return {told, shapes, still, pictured: Boolean(file.json.images)};
+}
+
+/// What lies on the skin, in sizes of powers of two, which WebGL 1 can make smaller pictures of.
+async function pictureOf(file) {
+  const {bufferView, mimeType} = file.json.images[0], view = file.json.bufferViews[bufferView], at = file.bin + view.byteOffset;
+  const as = await createImageBitmap(new Blob([file.glb.slice(at, at + view.byteLength)], {type: mimeType}));
+  const power = (n) => Math.min(2 ** Math.ceil(Math.log2(n)), 2048);
+  return createImageBitmap(as, {resizeWidth: power(as.width), resizeHeight: power(as.height), resizeQuality: 'high'});
 }
 
 /// So many places at even distances on a way.
@@ -140,6 +156,10 @@ varying float v_depth, v_rim, v_field, v_shine, v_alpha;
 #ifdef COLOURED
 varying vec4 v_rgba;
 #endif
+#ifdef PICTURE
+attribute vec2 at_picture;
+varying vec2 v_at_picture;
+#endif
 const vec3 key_direction = vec3(-0.6198, 0.4398, 0.6498);
 const vec3 key_colour = vec3(3.05, 2.93, 2.75), fill_colour = vec3(0.42, 0.48, 0.56);
 vec3 hemisphere(vec3 n) { return mix(vec3(0.34, 0.28, 0.25), vec3(0.68, 0.67, 0.66), 0.5 + 0.5 * n.z); }
@@ -155,6 +175,9 @@ void main() {
   v_chart = chart * 0.02; v_field = field; v_depth = about.x * 12.75; v_rim = about.y * 3.0;
 #ifdef COLOURED
   v_rgba = rgba;
+#endif
+#ifdef PICTURE
+  v_at_picture = at_picture;
 #endif
   float toward = max(dot(n, v), 0.0);
   v_shine = pow(max(dot(n, normalize(v + key_direction)), 0.0), 24.0);
@@ -175,6 +198,10 @@ varying float v_depth, v_rim, v_field, v_shine, v_alpha;
 varying vec4 v_rgba;
 #else
 const vec4 v_rgba = vec4(0.0);
+#endif
+#ifdef PICTURE
+varying vec2 v_at_picture;
+uniform sampler2D picture;
 #endif
 uniform sampler2D colours, layers;
 uniform float intervals, layer_range, clear;
@@ -205,9 +232,14 @@ const kParts = {
   skin: {
     light: 'lit(n, vec3(0.42, 0.22, 0.15), 0.27)',
     looks: `
+#ifdef PICTURE
+  vec3 albedo = texture2D(picture, v_at_picture).rgb;
+  albedo = mix(albedo * albedo, v_rgba.rgb * v_rgba.rgb, v_rgba.a);
+#else
   vec3 albedo = mix(vec3(0.74, 0.48, 0.385), v_rgba.rgb * v_rgba.rgb, v_rgba.a);
   albedo = mix(albedo, albedo * vec3(0.56, 0.45, 0.58), 0.40 * (1.0 - v_rgba.a) * grid(1.0, 0.03));
   albedo = mix(albedo, mix(vec3(0.105, 0.07, 0.22), albedo, 0.16), 0.70 * (1.0 - v_rgba.a) * grid(10.0, 0.22));
+#endif
   if (v_rim < 2.97) albedo *= mix(vec3(1.0), vec3(0.97, 0.76, 0.74), exp(-v_rim * 1.1));
   albedo = mix(albedo, vec3(0.26, 0.035, 0.03), 0.85 * (1.0 - smoothstep(0.10, 0.26, v_rim)));
   gl_FragColor = vec4(to_screen(albedo * v_light + 0.10 * v_shine), 1.0);`,
@@ -261,10 +293,11 @@ const kParts = {
   }
 };
 
-function look(part, uniforms, field, coloured) {
+function look(part, uniforms, field, coloured, pictured) {
   const p = kParts[part], defines = {LIGHT: p.light};
   if (field) defines.FIELD = 1;
   if (coloured) defines.COLOURED = 1;
+  if (pictured && part === 'skin') defines.PICTURE = 1;
   return new THREE.ShaderMaterial({
     uniforms, defines, vertexShader: kVertex, fragmentShader: kColours + 'void main() {\n' + (field ? p.field : p.looks) + '\n}',
     extensions: {derivatives: true}, side: THREE.DoubleSide
@@ -310,15 +343,16 @@ class Patient {
       layer_range: {value: this.told.layers ? this.told.layers.range_mm : 1}
     };
     const coloured = this.shapes.some((s) => s.rgba);
+    if (model.pictured) this.uniforms.picture = {value: colourTable('dcb1a0')};  // until it is there
     this.looks = {};
     this.in_colours = {};
     for (const part of Object.keys(kParts)) {
-      this.looks[part] = look(part, this.uniforms, false, coloured);
-      this.in_colours[part] = kParts[part].field ? look(part, this.uniforms, true, false) : this.looks[part];
+      this.looks[part] = look(part, this.uniforms, false, coloured, model.pictured);
+      this.in_colours[part] = kParts[part].field ? look(part, this.uniforms, true, false, null) : this.looks[part];
     }
     // What lies behind a clear face's nearest surface is not seen through it twice.
     this.veil = new THREE.MeshBasicMaterial({colorWrite: false});
-    this.things = new THREE.Mesh(new THREE.BufferGeometry(), look('things', this.uniforms, false, false));
+    this.things = new THREE.Mesh(new THREE.BufferGeometry(), look('things', this.uniforms, false, false, null));
     this.things.frustumCulled = false;
     this.scene.add(this.things);
     for (const s of model.still) this.scene.add(stillMesh(s, this.told, this.things.material));
@@ -326,6 +360,13 @@ class Patient {
     this.field = -1;
     this.face = this.shapes.some((s) => s.parts.some((p) => p.name === 'face')) ? 'clear' : null;
     this.forces = true;
+  }
+
+  pictured(image) {
+    const t = new THREE.Texture(image);
+    t.flipY = false;
+    t.needsUpdate = true;
+    this.uniforms.picture.value = t;
   }
 
   /// Which surface is there at a time, between which of its frames, and how far between them.
@@ -348,6 +389,7 @@ class Patient {
     shape.value = new THREE.BufferAttribute(new Float32Array(n), 1).setUsage(THREE.DynamicDrawUsage);
     const chart = new THREE.BufferAttribute(shape.chart, 2), about = new THREE.BufferAttribute(shape.about, 4, true);
     const rgba = new THREE.BufferAttribute(shape.rgba || new Uint8Array(4 * n), 4, true);
+    const at_picture = shape.at_picture && new THREE.BufferAttribute(shape.at_picture, 2, true);
     shape.meshes = [];
     const add = (part, material, order) => {
       const g = new THREE.BufferGeometry();
@@ -357,6 +399,7 @@ class Patient {
       g.setAttribute('chart', chart);
       g.setAttribute('about', about);
       g.setAttribute('rgba', rgba);
+      if (at_picture) g.setAttribute('at_picture', at_picture);
       part.whole = part.whole || new THREE.BufferAttribute(part.index, 1);
       g.setIndex(part.whole);
       const mesh = new THREE.Mesh(g, material);
@@ -887,18 +930,21 @@ class Viewer {
 
 async function start() {
   const scripts = [...document.querySelectorAll('script[data-model]')];
-  const patients = [], names = [];
+  const patients = [], names = [], pictures = [];
   const tables = {};
   for (const [name, hex] of Object.entries(setup.colours)) tables[name] = colourTable(hex);
   for (const s of scripts) {
-    const model = readModel(await unpack(s.textContent.trim()));
-    patients.push(new Patient(model, tables));
+    const file = await unpack(s.textContent.trim()), model = readModel(file), patient = new Patient(model, tables);
+    patients.push(patient);
+    if (model.pictured) pictures.push(pictureOf(file).then((p) => patient.pictured(p)));  // takes a second where much is loaded
     names.push(s.dataset.model);
   }
   box.hidden = false;
   const viewer = new Viewer(patients, names, tables);
   viewer.tellLegend(-1);
   box.limberg = viewer;  // for whoever scripts the page
+  await Promise.all(pictures);
+  viewer.ask();
 }
 
 start().catch((e) => {

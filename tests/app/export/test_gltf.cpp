@@ -7,8 +7,11 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "app/export/glb.h"
 #include "app/export/gltf.h"
+#include "render/image.h"
 #include "sim/base/workers.h"
+#include "sim/body/skin_image.h"
 #include "sim/patient/world.h"
 #include "tests/sim/patient/small_block.h"
 
@@ -45,7 +48,9 @@ Glb read(const std::string& bytes) {
   return g;
 }
 
-int width(const std::string& type) { return type == "SCALAR" ? 1 : type == "VEC3" ? 3 : type == "VEC4" ? 4 : 0; }
+int width(const std::string& type) {
+  return type == "SCALAR" ? 1 : type == "VEC2" ? 2 : type == "VEC3" ? 3 : type == "VEC4" ? 4 : 0;
+}
 
 std::vector<float> floats(const Glb& g, size_t accessor) {
   const json& a = g.j["accessors"][accessor];
@@ -270,6 +275,63 @@ TEST(Gltf, OneMomentStandsStill) {
   const json& q = g.j["nodes"][0]["rotation"];
   const Eigen::Quaterniond turn(q[3].get<double>(), q[0].get<double>(), q[1].get<double>(), q[2].get<double>());
   EXPECT_LT((turn * Vec3::UnitZ() - Vec3::UnitY()).norm(), 1e-6);
+}
+
+// A block with a picture, whose faces meet at seams of it: each corner of the skin lies where the picture has it.
+TEST(Gltf, ThePictureLiesOnTheSkin) {
+  InlineWorkers workers;
+  WorldSpec spec = test::small_block();
+  auto image = std::make_shared<SkinImage>();
+  image->width = 2, image->height = 2;
+  image->rgb = {255, 0, 0, 0, 255, 0, 0, 0, 255, 10, 20, 30};
+  spec.image = image;
+  auto body = std::make_shared<Body>(*spec.body);
+  auto& uv = body->surface.uv;
+  ASSERT_EQ(uv.size(), body->surface.tri.size());
+  for (size_t t = 0; t < uv.size(); t += 2)  // every other triangle elsewhere: a seam round each
+    for (Eigen::Vector2f& at : uv[t]) at = Eigen::Vector2f(0.5f, 0.25f) + 0.1f * at;
+  spec.body = body;
+  World world(spec, workers);
+  GltfStory story;
+  Snapshot seen;
+  world.fill(seen);
+  story.add(0, "before", seen);
+  ASSERT_TRUE(world.apply(Incise{{{-15, 0}, {15, 0}}, 4}).done);
+  settle(world);
+  world.fill(seen);
+  story.add(1, "open", seen);
+  const Glb g = read(story.bytes("block"));
+  expect_valid(g);
+  const json& view = g.j["bufferViews"][g.j["images"][0]["bufferView"].get<size_t>()];
+  const Image read_back =
+      decode_png(std::string_view(g.bin).substr(view["byteOffset"], view["byteLength"]), "the file's picture");
+  EXPECT_EQ(read_back.width, 2);
+  EXPECT_EQ(read_back.rgb, image->rgb);
+  const json& skin = g.j["materials"][kSkinLook]["pbrMetallicRoughness"];
+  EXPECT_EQ(skin["baseColorTexture"], (json{{"index", 0}, {"texCoord", 0}}));
+  EXPECT_EQ(skin["baseColorFactor"], (json{1, 1, 1, 1}));
+
+  const SurfaceView& v = seen.topology->view;
+  const json& mesh = g.j["meshes"][1];  // the second surface, of one frame
+  const auto p = std::find_if(mesh["primitives"].begin(), mesh["primitives"].end(),
+                              [](const json& q) { return q["material"] == kSkinLook; });
+  ASSERT_NE(p, mesh["primitives"].end());
+  const std::vector<float> x = floats(g, (*p)["attributes"]["POSITION"]),
+                           at = floats(g, (*p)["attributes"]["TEXCOORD_0"]);
+  ASSERT_EQ(at.size() / 2, x.size() / 3);
+  EXPECT_GT(x.size() / 3, seen.x_mm.size()) << "no vertex is parted at a seam";
+  const std::vector<uint32_t> corner = indices(g, (*p)["indices"]);
+  size_t c = 0;
+  for (size_t t = 0; t < v.tri.size(); ++t) {
+    if (v.kind[t] != FaceKind::skin) continue;
+    for (size_t k = 0; k < 3; ++k, ++c) {
+      ASSERT_LT(c, corner.size());
+      for (size_t i = 0; i < 3; ++i) ASSERT_EQ(x[3 * corner[c] + i], seen.x_mm[size_t(v.tri[t][int(k)])][long(i)]);
+      ASSERT_EQ(at[2 * corner[c]], v.uv[t][k].x());
+      ASSERT_EQ(at[2 * corner[c] + 1], 1 - v.uv[t][k].y());
+    }
+  }
+  EXPECT_EQ(c, corner.size());
 }
 
 }  // namespace test_gltf

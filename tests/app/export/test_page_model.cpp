@@ -11,7 +11,9 @@
 #include "app/export/page_mesh.h"
 #include "app/export/page_model.h"
 #include "app/pictures/skin_fields.h"
+#include "render/image.h"
 #include "sim/base/workers.h"
+#include "sim/body/skin_image.h"
 #include "sim/commands/words.h"
 #include "sim/patient/world.h"
 #include "tests/sim/patient/small_block.h"
@@ -232,6 +234,40 @@ TEST(PageModel, WhatHasColoursOfItsOwnHasThemInThePage) {
   EXPECT_EQ(rgba[0], (std::array<uint8_t, 4>{255, 0, 0, 255}));
   EXPECT_EQ(rgba[1], (std::array<uint8_t, 4>{0, 55, 0, 255})) << "255 x .2140";
   EXPECT_EQ(rgba[3], (std::array<uint8_t, 4>{255, 255, 255, 255}));
+}
+
+// The picture goes along as it is, each vertex of the skin knows its place in it, and colours that other programs would
+// multiply by are not there.
+TEST(PageModel, ThePictureOnTheSkinIsInThePage) {
+  InlineWorkers workers;
+  WorldSpec spec = test::small_block();
+  auto image = std::make_shared<SkinImage>();
+  image->width = 2, image->height = 2;
+  image->rgb = {255, 0, 0, 0, 255, 0, 0, 0, 255, 10, 20, 30};
+  spec.image = image;
+  World world(spec, workers);
+  PageModel model("act");
+  Snapshot seen;
+  world.fill(seen);
+  model.frame(0, seen);
+  const Model m(model.bytes("block", somewhere(), 16. / 9));
+  const json& view = m.j["bufferViews"][m.j["images"][0]["bufferView"].get<size_t>()];
+  EXPECT_EQ(decode_png(std::string_view(m.bin).substr(view["byteOffset"], view["byteLength"]), "picture").rgb,
+            image->rgb);
+  const json& skin = m.j["materials"][m.first(0)["material"].get<size_t>()]["pbrMetallicRoughness"];
+  EXPECT_EQ(skin["baseColorTexture"], (json{{"index", 0}, {"texCoord", 1}}));
+  EXPECT_FALSE(m.first(0)["attributes"].contains("COLOR_0"));
+  const auto at = m.numbers<std::array<uint16_t, 2>>(m.first(0)["attributes"]["TEXCOORD_1"]);
+  const TissueMesh mesh = coarser_away(make_tissue_mesh(*seen.topology), Vec3f(-99, -99, -99), Vec3f(99, 99, 99));
+  ASSERT_EQ(at.size(), mesh.uv.size());
+  float most = 0;
+  for (size_t v = 0; v < at.size(); ++v) {
+    if (mesh.part[v] != Part::skin) continue;
+    EXPECT_NEAR(at[v][0] / 65535.f, mesh.uv[v].x(), 1e-5);
+    EXPECT_NEAR(at[v][1] / 65535.f, 1 - mesh.uv[v].y(), 1e-5);
+    most = std::max(most, mesh.uv[v].x());
+  }
+  EXPECT_GT(most, 0.5f) << "no places at all";
 }
 
 TEST(PageModel, FramesBetweenStagesGiveWayToSize) {
