@@ -437,6 +437,7 @@ std::string PageModel::bytes(const std::string& title, const Camera& camera, dou
                   {"eye_mm", told(camera.eye_mm)},
                   {"target_mm", told(camera.target_mm)},
                   {"up", told(camera.up)},
+                  {"lamp", told(shapes.back().mesh->lamp)},
                   {"fov_deg", told(double(camera.fov_deg))},
                   {"aspect", told(aspect)},
                   {"acts", acts},

@@ -10,7 +10,7 @@
 //   Fields     what the report's maps show (pictures/skin_fields.h), a byte per vertex and frame: 0 to 255 over the
 //              scale, which is that of the last frame for all.
 //   The rest   in asset.extras: acts, stages, frames with stitches (way, force, gap), hooks and plates, the layers'
-//              colours, the eye of the report's pictures. Lengths in mm, forces in N, z up.
+//              colours, the eye and the lamp of the report's pictures. Lengths in mm, forces in N, z up.
 //
 // A surface lasts until half way to the first frame of the next: between a cut and the frame before it there is a step,
 // and everywhere else motion.

@@ -160,7 +160,7 @@ varying vec4 v_rgba;
 attribute vec2 at_picture;
 varying vec2 v_at_picture;
 #endif
-const vec3 key_direction = vec3(-0.6198, 0.4398, 0.6498);
+uniform vec3 key_direction;
 const vec3 key_colour = vec3(3.05, 2.93, 2.75), fill_colour = vec3(0.42, 0.48, 0.56);
 vec3 hemisphere(vec3 n) { return mix(vec3(0.34, 0.28, 0.25), vec3(0.68, 0.67, 0.66), 0.5 + 0.5 * n.z); }
 vec3 lit(vec3 n, vec3 wrap, float sky) {
@@ -340,7 +340,8 @@ class Patient {
     this.uniforms = {
       colours: {value: tables.magnitude}, intervals: {value: 5}, clear: {value: 0},
       layers: {value: this.told.layers ? colourTable(this.told.layers.srgb) : tables.magnitude},
-      layer_range: {value: this.told.layers ? this.told.layers.range_mm : 1}
+      layer_range: {value: this.told.layers ? this.told.layers.range_mm : 1},
+      key_direction: {value: new THREE.Vector3(...(this.told.lamp || [-0.62, 0.44, 0.65])).normalize()}
     };
     const coloured = this.shapes.some((s) => s.rgba);
     if (model.pictured) this.uniforms.picture = {value: colourTable('dcb1a0')};  // until it is there

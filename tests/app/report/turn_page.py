@@ -188,6 +188,37 @@ class Pages(unittest.TestCase):
     def test_colours_of_a_face_are_those_of_the_picture(self):
         self.compare_colours("Displacement", "head/moved.png", self.head, "colours-face", "solid")
 
+    def test_a_face_has_its_picture(self):
+        """Brows, lips and hair are where the program's own picture has them."""
+        script, folder = os.path.join(self.folder.name, "face.jsonl"), os.path.join(self.folder.name, "face")
+        with open(script, "w") as f:
+            f.write('{"limberg_script":1,"scene":"face"}\n{"action":"stage","name":"before"}\n')
+        operate("face", script, folder)
+        made = file_picture(os.path.join(folder, "stages/01-before.png"))
+        b = self.opened(folder + "/report.html", made.width + 60, made.height + 120)
+        b.run("(() => { const s = document.querySelector('#viewer .stage').style; document.body.style.maxWidth = 'none';"
+              f" s.width = '{made.width}px'; s.height = '{made.height}px' }})()")
+        b.wait(f"{V}.patients[0].uniforms.picture.value.image.width > 1")
+        places = [(int(x * made.width), int(y * made.height)) for y in (0.14 + 0.012 * i for i in range(56))
+                  for x in (0.40 + 0.008 * i for i in range(26))]  # the face, as it is seen at first
+
+        def alike(name):
+            """The coefficient of correlation of how light the places are in both."""
+            b.run(f"{V}.ask(); new Promise((d) => setTimeout(d, 500))")
+            page = self.stage(b, name)
+            pairs = [(sum(page.mean(*p, 2)), sum(made.mean(*p, 2))) for p in places]
+            m = [sum(v) / len(pairs) for v in zip(*pairs)]
+            var = [sum((v[i] - m[i]) * (v[j] - m[j]) for v in pairs) for i, j in ((0, 0), (1, 1), (0, 1))]
+            return var[2] / (var[0] * var[1]) ** 0.5
+
+        with_it = alike("face")
+        b.run(f"{V}.patients[0].uniforms.picture.value = {V}.tables.magnitude")
+        without = alike("face-without")
+        print(f"face: {with_it:.3f} like the program's picture, {without:.3f} without its own")
+        self.assertGreater(with_it, 0.9)
+        self.assertLess(without, with_it - 0.1)
+        self.quiet(b)
+
     def test_without_scripts_the_pictures_stay(self):
         b = self.browser(scripts=False)
         b.open(self.expert + "/report.html")
