@@ -175,9 +175,10 @@ void Coach::judge_newest(bool hangs_together) {
     if (part.standing == newest) {
       if (const std::string off = gentle_word(part.offs); !off.empty()) return say(off + " " + take_back);
       if (hangs_together)
-        return say(
-            w("So far as planned: {:.0f} % of the line is sawn. Saw along the rest of it too.", 100 * part.share),
-            true);
+        return say(w("So far as planned: {:.0f} % of the line is sawn. Saw the rest of it too, in lines that close; or "
+                     "take this back (Ctrl+Z) and lead the saw all round at once.",
+                     100 * part.share),
+                   true);
       return say(w("A piece has come free, but {:.0f} % of the line is not sawn.", 100 * (1 - part.share)) + " " +
                  take_back);
     }

@@ -62,7 +62,9 @@ std::vector<Vec3> line_on_bone(const SurfaceTopology& s, const HeadCommand& cut)
       add(c->contour_mm[i], c->contour_mm[(i + 1) % c->contour_mm.size()]);
     return line;
   }
-  const std::vector<SawPlane> planes = planes_of(cut);
+  std::vector<SawPlane> planes = planes_of(cut);
+  for (SawPlane& p : planes)
+    if (p.u.isZero(0)) p.reach = 0;  // its reach chooses lines, and ends none
   const int32_t bone = planes.empty() ? -1 : bone_meant(s, cut);
   for (size_t t = 0; bone >= 0 && t < s.view.tri.size(); ++t) {
     if (t >= s.object.size() || s.object[t] != bone || !s.is_ground(t, Ground::bone)) continue;
@@ -85,9 +87,14 @@ std::optional<Vec3> beside_line(const PlannedAct& planned, const Vec3& p) {
   if (!cut) return std::nullopt;
   const auto* ring = std::get_if<CutBone>(cut);
   if (planned.on_bone_mm.empty() || (ring && !ring->contour_mm.empty())) return beside_cut(*cut, p);
-  return p - *std::min_element(planned.on_bone_mm.begin(), planned.on_bone_mm.end(), [&](const Vec3& a, const Vec3& b) {
-           return (a - p).squaredNorm() < (b - p).squaredNorm();
-         });
+  constexpr double kNear_mm = 25;  // nearer than this its plane says best where to lead the saw
+  const Vec3 near =
+      *std::min_element(planned.on_bone_mm.begin(), planned.on_bone_mm.end(),
+                        [&](const Vec3& a, const Vec3& b) { return (a - p).squaredNorm() < (b - p).squaredNorm(); });
+  HeadCommand whole = *cut;
+  if (auto* plane = std::get_if<CutBone>(&whole)) plane->radius_mm = 0;  // it chooses lines, and ends none
+  const auto off = beside_cut(whole, p);
+  return off && (p - near).norm() < kNear_mm ? off : Vec3(p - near);
 }
 
 const PlannedAct* sawn_for(const LessonPlan& plan, std::span<const size_t> open, const Vec3& tip) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <map>
+#include <set>
 
 #include "app/assembly/assembly.h"
 #include "app/pictures/pictures.h"
@@ -84,7 +85,8 @@ class SawHand final : public Source {
 };
 
 /// Where a plane cuts the surface of a fragment, as closed lines.
-inline std::vector<std::vector<Vec3>> section(const SurfaceTopology& t, int32_t object, const Vec3& at, const Vec3& normal) {
+inline std::vector<std::vector<Vec3>> section(const SurfaceTopology& t, int32_t object, const Vec3& at,
+                                              const Vec3& normal) {
   const SurfaceView& v = t.view;
   const auto height = [&](int32_t p) { return (v.X_mm[size_t(p)] - at).dot(normal) + 1e-7; };
   using Edge = std::pair<int32_t, int32_t>;
@@ -198,6 +200,7 @@ struct Told {
   std::string all;
   std::vector<std::string> refused;
   bool first_done = false;
+  size_t bones = 0;  // at the end
 };
 
 /// The lesson's scene, with what the hand does there.
@@ -234,7 +237,12 @@ Told say_of(const std::string& name, Deeds&& deeds) {
   for (const Refusal& r : a.solver.refused()) told.refused.push_back(r.reason);
   told.first_done = window.coach()->progress().act[0].state == ActProgress::done;
   if (pictures) std::puts(told.all.c_str());
-  { Snapshot e; a.patient->fill(e); std::map<int,std::array<double,7>> n; for (size_t k=0;k<e.topology->view.tri.size();++k) if(e.topology->organ_of(k)==Organ::bone) { auto& b = n.try_emplace(e.topology->object[k], std::array<double,7>{0,1e9,1e9,1e9,-1e9,-1e9,-1e9}).first->second; ++b[0]; for (int c : {0,1,2}) { double x = e.topology->view.X_mm[e.topology->view.tri[k][0]][c]; b[1+c]=std::min(b[1+c],x), b[4+c]=std::max(b[4+c],x);} } for(auto&[o,b]:n) std::printf("XX object %d: %.0f tris %.0f..%.0f %.0f..%.0f %.0f..%.0f\n",o,b[0],b[1],b[4],b[2],b[5],b[3],b[6]); }
+  Snapshot end;
+  a.patient->fill(end);
+  std::set<int32_t> bones;
+  for (size_t k = 0; k < end.topology->view.tri.size(); ++k)
+    if (end.topology->is_ground(k, Ground::bone)) bones.insert(end.topology->object[k]);
+  told.bones = bones.size();
   return told;
 }
 
