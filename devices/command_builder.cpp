@@ -86,6 +86,7 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
       if (tool == Tool::saw) {
         CutBone cut;
         cut.contour_mm = bone_contour(bone_stroke_);
+        cut.must_divide = false;  // it may be one of several lines that free a piece together
         stroke_.clear();
         if (cut.contour_mm.empty()) return ++dropped_, std::nullopt;
         return HeadCommand(std::move(cut));

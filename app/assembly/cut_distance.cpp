@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "sim/geometry/triangle.h"
 
 namespace limberg {
 namespace {
@@ -14,6 +17,16 @@ Vec3 foot_on(const std::vector<Vec3>& ring, const Vec3& p) {
     if ((p - q).norm() < (p - best).norm()) best = q;
   }
   return best;
+}
+
+/// A ring by hand is spanned by the cut, about as a fan about its middle does: what lies within it is near, too.
+double near_ring_mm(const std::vector<Vec3>& ring, const Vec3& p) {
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& q : ring) middle += q / double(ring.size());
+  double least = std::numeric_limits<double>::infinity();
+  for (size_t i = 0; i < ring.size(); ++i)
+    least = std::min(least, (closest_on_triangle(p, middle, ring[i], ring[(i + 1) % ring.size()]).point - p).norm());
+  return least;
 }
 
 }  // namespace
@@ -55,7 +68,11 @@ std::optional<double> nearest_to_limit_mm(const SafeLimit& l, const HeadCommand&
     constexpr int kSamples = 20;
     for (int k = 0; k <= kSamples; ++k) {
       const Vec3 p = l.bone_line[i] + (l.bone_line[i + 1] - l.bone_line[i]) * (double(k) / kSamples);
-      if (const auto off = beside_cut(cut, p); off && (!nearest || off->norm() < *nearest)) nearest = off->norm();
+      const auto off = beside_cut(cut, p);
+      if (!off) continue;
+      const auto* ring = std::get_if<CutBone>(&cut);
+      const double mm = ring && !ring->contour_mm.empty() ? near_ring_mm(ring->contour_mm, p) : off->norm();
+      nearest = std::min(nearest.value_or(mm), mm);
     }
   }
   return nearest;

@@ -203,31 +203,23 @@ std::optional<Offs> in_space_against(const Words& w, std::vector<Vec3> want, con
 
 Vec3 way_of(const RigidMove& by, const Vec3& at) { return isometry(by, at) * at - at; }
 
-std::optional<Offs> bone_against(const Words& w, const HeadCommand& want, const HeadCommand& got) {
+std::optional<Offs> bone_against(const Words& w, const PlannedAct& act, const HeadCommand& got) {
+  constexpr double kMeant_mm = 40;  // a line that is farther away is not meant for it
+  const auto& want = std::get<HeadCommand>(act.command);
   const auto* cut = std::get_if<CutBone>(&want);
   const auto* blade = std::get_if<CutBoneByBlade>(&want);
   if (cut || blade) {
     const auto* sawn = std::get_if<CutBone>(&got);
     if (std::holds_alternative<CutBoneByBlade>(got)) return blade ? plane_against(want, got, w) : std::nullopt;
     if (!sawn) return std::nullopt;
-    if (!blade && cut->contour_mm.empty() && sawn->contour_mm.empty()) return plane_against(want, got, w);
-    if (blade || sawn->contour_mm.empty()) return Offs{};  // of two kinds: what they came to is judged on the pieces
+    if (sawn->contour_mm.empty() && (blade || cut->contour_mm.empty())) return plane_against(want, got, w);
+    if (sawn->contour_mm.empty()) return Offs{};  // of two kinds: what they came to is judged on the pieces
     double most = 0;
     for (const Vec3& p : sawn->contour_mm) {
-      double d = 1e9;
-      if (cut->contour_mm.empty()) {
-        d = std::abs((p - cut->point_mm).dot(cut->normal.normalized()));
-      } else {
-        const size_t n = cut->contour_mm.size();
-        for (size_t i = 0; i < n; ++i) {
-          const Vec3 &a = cut->contour_mm[i], &b = cut->contour_mm[(i + 1) % n], e = b - a;
-          const double t = std::clamp((p - a).dot(e) / std::max(1e-12, e.squaredNorm()), 0.0, 1.0);
-          d = std::min(d, (p - a - t * e).norm());
-        }
-      }
-      most = std::max(most, d);
+      const auto off = beside_line(act, p);
+      most = std::max(most, off ? off->norm() : 2 * kMeant_mm);
     }
-    if (most > 40) return std::nullopt;
+    if (most > kMeant_mm) return std::nullopt;
     return Offs{{Off::line, most, kSaw_mm, w("{:.0f} mm beside the line on the bone", most)}};
   }
   const auto* move = std::get_if<MoveFragment>(&want);
@@ -328,8 +320,8 @@ std::optional<Offs> against(const LessonPlan& plan, const PlannedAct& planned, c
   } else if (const auto* x = std::get_if<InSpace>(&planned.command)) {
     const InSpace& d = std::get<InSpace>(done);
     if (x->act.index() == d.act.index()) offs = in_space_against(w, places_of(*x), places_of(d), kBite_mm);
-  } else if (const auto* b = std::get_if<HeadCommand>(&planned.command)) {
-    offs = bone_against(w, *b, std::get<HeadCommand>(done));
+  } else if (std::holds_alternative<HeadCommand>(planned.command)) {
+    offs = bone_against(w, planned, std::get<HeadCommand>(done));
   } else {
     offs = Offs{};
   }

@@ -11,6 +11,7 @@
 #include "sim/commands/kinds.h"
 #include "sim/geometry/polyline.h"
 #include "sim/measure/table.h"
+#include "sim/skull/bone/osteotomy.h"
 
 namespace limberg {
 namespace {
@@ -128,7 +129,7 @@ void Coach::hear(const Notice& n) {
   if (n.kind == Notice::undone && !shown_) ++undone_, says_.word.clear();
   if (n.kind == Notice::done && !leaves_patient(*n.command) && !standing_.empty()) {
     shown_acts_ += shown_;
-    if (!shown_) judge_newest();
+    if (!shown_) judge_newest(std::string_view(n.text.data()).find(bone::kHangsTogether) != std::string_view::npos);
   }
   tell_state();
 }
@@ -160,7 +161,7 @@ std::string Coach::over_limit(const Command& c) const {
   return "";
 }
 
-void Coach::judge_newest() {
+void Coach::judge_newest(bool hangs_together) {
   if (mode_ != LessonMode::guided) return;
   const Words& w = plan_.w;
   const std::string take_back = w("Ctrl+Z takes it back.");
@@ -170,11 +171,24 @@ void Coach::judge_newest() {
   if (std::holds_alternative<LetThreadGo>(c))
     return say(w("The thread is not tied: the edges part again. The next bite draws it tight; Shift+0 ties it."));
   if (const std::string limit = over_limit(c); !limit.empty()) return say(limit + " " + take_back);
+  for (const SawnPart& part : progress_.part)
+    if (part.standing == newest) {
+      if (const std::string off = gentle_word(part.offs); !off.empty()) return say(off + " " + take_back);
+      if (hangs_together)
+        return say(w("So far as planned: {:.0f} % of the line is sawn. Saw the rest of it too, in lines that close; or "
+                     "take this back (Ctrl+Z) and lead the saw all round at once.",
+                     100 * part.share),
+                   true);
+      return say(w("A piece has come free, but {:.0f} % of the line is not sawn.", 100 * (1 - part.share)) + " " +
+                 take_back);
+    }
   if (const int act = attempt_at(progress_, newest); act >= 0) {
     const std::string order = out_of_order(size_t(act)), off = gentle_word(progress_.act[size_t(act)].offs);
     const std::string back = is_undoable(c) ? take_back : w("Take its handle and carry it on.");
     if (!off.empty()) return say(off + (order.empty() ? "" : " " + order) + " " + back);
     if (!order.empty()) return say(order + " " + take_back);
+    if (hangs_together)
+      return say(w("All along the line, but the bone still hangs together: look behind, and inside. ") + take_back);
     return say(is_undoable(c) ? w("As planned.") : "", true);
   }
   if (std::find(progress_.stray.begin(), progress_.stray.end(), newest) == progress_.stray.end()) return;
@@ -277,9 +291,8 @@ void Coach::follow_saw(const Snapshot& s, const HandSeen& hand) {
       saw_.sawn_mm.push_back(at.X_mm);
     const PlannedAct* a = sawn_for(plan_, open, saw_.tip_mm);
     if (!a) return;
-    const auto& planned = std::get<HeadCommand>(a->command);
-    says_.stroke = saw_rows(plan_, planned, saw_), says_.stroke_of = a->words;
-    const std::string word = t.pressed ? saw_word(planned, saw_.tip_mm, plan_.w) : "";
+    says_.stroke = saw_rows(plan_, *a, saw_), says_.stroke_of = a->words;
+    const std::string word = t.pressed ? saw_word(*a, saw_.tip_mm, plan_.w) : "";
     if (word.empty()) saw_off_s_ = -1;
     if (!word.empty() && saw_off_s_ < 0) saw_off_s_ = t_s_;
     if (!word.empty() && !saw_told_ && t_s_ - saw_off_s_ >= kPatience_s) saw_told_ = true, say(word);
@@ -313,6 +326,11 @@ void Coach::tell_bites(const Snapshot& s) {
 
 void Coach::look(const Snapshot& s, const HandSeen& hand) {
   t_s_ = std::max(t_s_, double(s.device_tick) * 1e-3);
+  if (plan_.bone && !lines_known_ && has_surface(s)) {
+    lines_known_ = true;
+    for (PlannedAct& a : plan_.acts)
+      if (const auto* bone = std::get_if<HeadCommand>(&a.command)) a.on_bone_mm = line_on_bone(*s.topology, *bone);
+  }
   sutures_ = s.sutures, sewing_ = s.sewn.thread != 0;
   if (hand.tool.pressed || hand.showing || hand.tool.tool != tool_) active_s_ = t_s_;
   tool_ = hand.tool.tool;

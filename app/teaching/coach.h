@@ -109,7 +109,7 @@ class Coach {
   const std::vector<Said>& said() const { return said_; }
 
  private:
-  void judge_newest();
+  void judge_newest(bool hangs_together);  // the bone that it sawed
   void say(const std::string& word, bool praise = false);
   void tell_state();
   void follow_stroke(const Snapshot& patient, const HandSeen& hand);
@@ -138,6 +138,7 @@ class Coach {
   int32_t touched_ = -1;
   LiveStroke stroke_;
   SurfaceIndex bone_{Ground::bone};
+  bool lines_known_ = false;  // of planned cuts, on bone
   SawSeen saw_;
   double saw_off_s_ = -1;              // since when the saw has been off; less than 0: it is not
   bool saw_told_ = false;              // of this stroke

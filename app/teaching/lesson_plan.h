@@ -22,6 +22,8 @@ struct PlannedAct {
   Command command;
   size_t step = 0;
   std::string words;  // what to do, by the letters
+  /// Of a cut of bone, once a patient was seen: where it runs on the bone that it is meant for (saw_watch.h).
+  std::vector<Vec3> on_bone_mm;
 };
 
 struct TeachingStep {

@@ -68,6 +68,48 @@ bool on_the_way(const LessonPlan& plan, const PlanProgress& p, const Command& c)
   return false;
 }
 
+/// A closed line that a hand sawed.
+const CutBone* sawn_by_hand(const Command& c) {
+  const auto* bone = std::get_if<HeadCommand>(&c);
+  const auto* cut = bone ? std::get_if<CutBone>(bone) : nullptr;
+  return cut && !cut->contour_mm.empty() ? cut : nullptr;
+}
+
+/// Lines by hand against a planned cut whose place on the bone is known: done once nearly all of it is sawn.
+void saw_along(const LessonPlan& plan, const std::vector<StandingAct>& standing, std::vector<char>& used,
+               PlanProgress& progress) {
+  constexpr double kEnough = 0.95, kBeside_mm = 4, kBesideAtMost_mm = 12;
+  for (size_t s = 0; s < standing.size(); ++s) {
+    if (used[s] || !sawn_by_hand(standing[s].command)) continue;
+    std::optional<SawnPart> best;
+    for (size_t i = 0; i < plan.acts.size(); ++i) {
+      if (progress.act[i].state != ActProgress::open || plan.acts[i].on_bone_mm.empty()) continue;
+      const auto offs = against(plan, plan.acts[i], standing[s].command);
+      if (offs && (!best || worst(*offs) < worst(best->offs))) best = SawnPart{s, i, *offs};
+    }
+    if (best) used[s] = 1, progress.part.push_back(std::move(*best));
+  }
+  for (size_t i = 0; i < plan.acts.size(); ++i) {
+    const std::vector<Vec3>& line = plan.acts[i].on_bone_mm;
+    std::vector<char> sawn(line.size(), 0);
+    ActProgress a;
+    for (SawnPart& part : progress.part) {
+      if (part.act != i) continue;
+      const double near_mm = std::min(kBesideAtMost_mm, kBeside_mm + part.offs.front().value);
+      for (size_t k = 0; k < line.size(); ++k)
+        for (const Vec3& p : sawn_by_hand(standing[part.standing].command)->contour_mm)
+          if ((p - line[k]).norm() < near_mm) sawn[k] = 1;
+      part.share = double(std::count(sawn.begin(), sawn.end(), 1)) / double(line.size());
+      if (a.offs.empty() || worst(part.offs) > worst(a.offs)) a.offs = part.offs;
+      a.by = part.standing, a.shown |= standing[part.standing].shown;
+      if (part.share >= kEnough) a.state = ActProgress::done;
+    }
+    if (a.state != ActProgress::done) continue;
+    progress.act[i] = std::move(a);
+    std::erase_if(progress.part, [&](const SawnPart& part) { return part.act == i; });
+  }
+}
+
 /// A turn and a shift of the chart.
 struct Laid {
   double cos = 1, sin = 0;
@@ -131,6 +173,7 @@ PlanProgress progress_of(const LessonPlan& plan, const std::vector<StandingAct>&
     Offs best_offs;
     for (size_t i = 0; i < plan.acts.size(); ++i) {
       if (p.act[i].state != ActProgress::open) continue;
+      if (sawn_by_hand(standing[s].command) && !plan.acts[i].on_bone_mm.empty()) continue;
       auto offs = against(plan, plan.acts[i], standing[s].command);
       // Fragments are grabbed, carried, let go: the way counts.
       if (!offs || (best >= 0 && worst(*offs) >= worst(best_offs))) continue;
@@ -144,6 +187,7 @@ PlanProgress progress_of(const LessonPlan& plan, const std::vector<StandingAct>&
   for (size_t i = 0; i < plan.acts.size(); ++i)
     if (const auto* row = std::get_if<SutureRow>(&plan.acts[i].command); row && p.act[i].state == ActProgress::open)
       sewn_singly(*row, standing, used, p.act[i]);
+  saw_along(plan, standing, used, p);
   bool later = false;             // a cut or a stitch of the plan
   std::map<int, bool> later_way;  // of a hook, by its number in the plan
   for (size_t i = plan.acts.size(); i-- > 0;) {
@@ -178,6 +222,7 @@ int undos_to_plan(const LessonPlan& plan, const std::vector<StandingAct>& standi
   const PlanProgress p = progress_of(plan, standing);
   size_t first = standing.size();
   for (const size_t s : p.stray) first = std::min(first, s);
+  for (const SawnPart& part : p.part) first = std::min(first, part.standing);  // what is shown cuts it anew
   for (const ActProgress& a : p.act)
     if (a.state == ActProgress::done && !a.shown && worst(a.offs) > kMuchTooFar && is_undoable(standing[a.by].command))
       first = std::min(first, a.by);

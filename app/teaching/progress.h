@@ -3,7 +3,8 @@
 // and what belongs to no plan.
 //
 // Each act that stands is the attempt at the planned act that it fits best. Hooks are means: their planned acts count
-// as passed over once a later cut or stitch of the plan is done. A row of stitches may be sewn stitch by stitch.
+// as passed over once a later cut or stitch of the plan is done. A row of stitches may be sewn stitch by stitch, a bone
+// sawn through by several lines.
 #include <cstdint>
 #include <vector>
 
@@ -19,8 +20,16 @@ struct ActProgress {
   Offs offs;           // done: what was looked at
 };
 
+/// A line that a hand sawed along a part of a planned cut.
+struct SawnPart {
+  size_t standing = 0, act = 0;
+  Offs offs;
+  double share = 0;  // of the planned line that is sawn with it and the ones before it
+};
+
 struct PlanProgress {
   std::vector<ActProgress> act;  // one for each planned
+  std::vector<SawnPart> part;    // of cuts that are open still
   std::vector<size_t> stray;     // acts that stand and are no attempt at anything planned
   size_t next = 0;               // the first that is open; their number: all is done
 

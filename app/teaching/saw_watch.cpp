@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <set>
 
 #include "sim/base/elementary.h"
 
@@ -26,30 +28,99 @@ std::optional<Vec3> plane_near(const HeadCommand& planned, const Vec3& p) {
   return k ? std::optional<Vec3>(k->normal) : std::nullopt;
 }
 
+int32_t bone_meant(const SurfaceTopology& s, const HeadCommand& cut) {
+  const auto* c = std::get_if<CutBone>(&cut);
+  const auto* blade = std::get_if<CutBoneByBlade>(&cut);
+  if (!c && !blade) return -1;
+  const std::optional<FragmentPick>& of = c ? c->of : blade->of;
+  const Vec3 at = of ? of->at_mm : blade ? blade->corner_mm : c->contour_mm.empty() ? c->point_mm : c->contour_mm[0];
+  int32_t best = -1;
+  double least = std::numeric_limits<double>::infinity();
+  for (size_t t = 0; t < s.view.tri.size(); ++t) {
+    if (t >= s.object.size() || !s.is_ground(t, Ground::bone)) continue;
+    const Tri& k = s.view.tri[t];
+    const Vec3 middle = (s.view.X_mm[size_t(k[0])] + s.view.X_mm[size_t(k[1])] + s.view.X_mm[size_t(k[2])]) / 3;
+    if (const double d = (middle - at).squaredNorm(); d < least) least = d, best = s.object[t];
+  }
+  return best;
+}
+
+std::vector<Vec3> line_on_bone(const SurfaceTopology& s, const HeadCommand& cut) {
+  constexpr double kApart_mm = 1;
+  std::vector<Vec3> line;
+  std::set<std::array<int, 3>> taken;
+  const auto add = [&](const Vec3& a, const Vec3& b) {
+    const int steps = std::max(1, int(std::ceil((b - a).norm() / kApart_mm)));
+    for (int k = 0; k < steps; ++k) {
+      const Vec3 p = a + (b - a) * ((k + 0.5) / steps);
+      const Vec3 cell = (p / kApart_mm).array().floor();
+      if (taken.insert({int(cell.x()), int(cell.y()), int(cell.z())}).second) line.push_back(p);
+    }
+  };
+  if (const auto* c = std::get_if<CutBone>(&cut); c && !c->contour_mm.empty()) {
+    for (size_t i = 0; i < c->contour_mm.size(); ++i)
+      add(c->contour_mm[i], c->contour_mm[(i + 1) % c->contour_mm.size()]);
+    return line;
+  }
+  std::vector<SawPlane> planes = planes_of(cut);
+  for (SawPlane& p : planes)
+    if (p.u.isZero(0)) p.reach = 0;  // its reach chooses lines, and ends none
+  const int32_t bone = planes.empty() ? -1 : bone_meant(s, cut);
+  for (size_t t = 0; bone >= 0 && t < s.view.tri.size(); ++t) {
+    if (t >= s.object.size() || s.object[t] != bone || !s.is_ground(t, Ground::bone)) continue;
+    for (const SawPlane& plane : planes) {
+      Vec3 ends[3];
+      size_t n = 0;
+      for (size_t k = 0; k < 3; ++k) {
+        const Vec3 &p = s.view.X_mm[size_t(s.view.tri[t][k])], &q = s.view.X_mm[size_t(s.view.tri[t][(k + 1) % 3])];
+        const double hp = (p - plane.at).dot(plane.normal), hq = (q - plane.at).dot(plane.normal);
+        if ((hp < 0) != (hq < 0)) ends[n++] = p + (q - p) * (hp / (hp - hq));
+      }
+      if (n == 2 && plane.reaches(0.5 * (ends[0] + ends[1]))) add(ends[0], ends[1]);
+    }
+  }
+  return line;
+}
+
+std::optional<Vec3> beside_line(const PlannedAct& planned, const Vec3& p) {
+  const auto* cut = std::get_if<HeadCommand>(&planned.command);
+  if (!cut) return std::nullopt;
+  const auto* ring = std::get_if<CutBone>(cut);
+  if (planned.on_bone_mm.empty() || (ring && !ring->contour_mm.empty())) return beside_cut(*cut, p);
+  constexpr double kNear_mm = 25;  // nearer than this its plane says best where to lead the saw
+  const Vec3 near =
+      *std::min_element(planned.on_bone_mm.begin(), planned.on_bone_mm.end(),
+                        [&](const Vec3& a, const Vec3& b) { return (a - p).squaredNorm() < (b - p).squaredNorm(); });
+  HeadCommand whole = *cut;
+  if (auto* plane = std::get_if<CutBone>(&whole)) plane->radius_mm = 0;  // it chooses lines, and ends none
+  const auto off = beside_cut(whole, p);
+  return off && (p - near).norm() < kNear_mm ? off : Vec3(p - near);
+}
+
 const PlannedAct* sawn_for(const LessonPlan& plan, std::span<const size_t> open, const Vec3& tip) {
   const PlannedAct* best = nullptr;
   double least = kMeant_mm;
   for (const size_t i : open) {
     const auto* act = std::get_if<HeadCommand>(&plan.acts[i].command);
-    const auto off = act ? beside_cut(*act, tip) : std::nullopt;
+    const auto off = act ? beside_line(plan.acts[i], tip) : std::nullopt;
     if (off && off->norm() < least) least = off->norm(), best = &plan.acts[i];
   }
   return best;
 }
 
-std::vector<LiveRow> saw_rows(const LessonPlan& plan, const HeadCommand& planned, const SawSeen& saw) {
+std::vector<LiveRow> saw_rows(const LessonPlan& plan, const PlannedAct& planned, const SawSeen& saw) {
   std::vector<LiveRow> rows;
-  const auto off = beside_cut(planned, saw.tip_mm);
+  const auto off = beside_line(planned, saw.tip_mm);
   if (!off) return rows;
   const Words& w = plan.w;
   rows.push_back({w("saw"), w("{:.1f} mm beside", off->norm()), off->norm() / kSawBeside_mm});
-  if (const auto n = plane_near(planned, saw.tip_mm)) {
+  if (const auto n = plane_near(std::get<HeadCommand>(planned.command), saw.tip_mm)) {
     const double leans = 90 - degrees_between(saw.shaft.normalized(), *n);
     rows.push_back({w("blade"), w("leans by {:.0f}°", leans), leans / kSawLeans_deg});
   }
   double most = 0;
   for (const Vec3& p : saw.sawn_mm)
-    if (const auto d = beside_cut(planned, p)) most = std::max(most, d->norm());
+    if (const auto d = beside_line(planned, p)) most = std::max(most, d->norm());
   if (saw.sawn_mm.size() > 1) rows.push_back({w("line"), w("{:.1f} mm at most", most), most / kSawBeside_mm});
   for (const SafeLimit& l : plan.limits) {
     if (l.bone_line.empty()) continue;
@@ -64,8 +135,8 @@ std::vector<LiveRow> saw_rows(const LessonPlan& plan, const HeadCommand& planned
   return rows;
 }
 
-std::string saw_word(const HeadCommand& planned, const Vec3& tip, const Words& w) {
-  const auto off = beside_cut(planned, tip);
+std::string saw_word(const PlannedAct& planned, const Vec3& tip, const Words& w) {
+  const auto off = beside_line(planned, tip);
   if (!off || off->norm() <= kSawBeside_mm) return "";
   Eigen::Index axis = 0;
   off->cwiseAbs().maxCoeff(&axis);

@@ -11,6 +11,7 @@
 #include "app/assembly/cut_distance.h"
 #include "app/teaching/against_plan.h"
 #include "sim/commands/head_command.h"
+#include "sim/patient/snapshot.h"
 
 namespace limberg {
 
@@ -20,6 +21,13 @@ inline constexpr double kSawBeside_mm = 4, kSawLeans_deg = 10;
 /// The plane of the planned cut nearest to a place, as its normal; nothing for a contour.
 std::optional<Vec3> plane_near(const HeadCommand& planned, const Vec3& place_mm);
 
+/// Of the surface, the fragment that a cut is meant for; -1: there is no bone.
+int32_t bone_meant(const SurfaceTopology& surface, const HeadCommand& cut);
+/// Where a cut runs on that bone: places one mm apart, of all its lines.
+std::vector<Vec3> line_on_bone(const SurfaceTopology& surface, const HeadCommand& cut);
+/// From the planned cut, where it runs on bone if that is known, to a place.
+std::optional<Vec3> beside_line(const PlannedAct& planned, const Vec3& place_mm);
+
 /// What the hand does with the saw.
 struct SawSeen {
   Vec3 tip_mm = Vec3::Zero(), shaft = Vec3::UnitZ();
@@ -27,9 +35,9 @@ struct SawSeen {
 };
 /// The next planned cut that the saw is meant for: of those that are open the nearest, no farther than 40 mm.
 const PlannedAct* sawn_for(const LessonPlan& plan, std::span<const size_t> open, const Vec3& tip_mm);
-std::vector<LiveRow> saw_rows(const LessonPlan& plan, const HeadCommand& planned, const SawSeen& saw);
+std::vector<LiveRow> saw_rows(const LessonPlan& plan, const PlannedAct& planned, const SawSeen& saw);
 /// "The saw is 6 mm above the line that is drawn: bring it down." Empty: it is near enough.
-std::string saw_word(const HeadCommand& planned, const Vec3& tip_mm, const Words& words = {});
+std::string saw_word(const PlannedAct& planned, const Vec3& tip_mm, const Words& words = {});
 
 /// A plane through three picked places against the planned cut, before it is sawn. Empty: no plane is planned.
 std::vector<LiveRow> plane_rows(const HeadCommand& planned, const std::array<Vec3, 3>& picked_mm,

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/teaching/saw_watch.h"
+
 namespace limberg {
 namespace {
 
@@ -56,31 +58,25 @@ void PlanSheet::ring(const Vec3f& at, float radius_mm, const Vec3f& colour) {
   add_tube(props_, path, std::vector<float>(path.size(), kThin_mm), {colour, 0, 0}, 5);
 }
 
-void PlanSheet::plane_on_bone(const Snapshot& s, const Vec3& point, const Vec3& normal, const Vec3* u, const Vec3* v,
-                              double reach_mm) {
+void PlanSheet::planes_on_bone(const Snapshot& s, const HeadCommand& cut) {
   const SurfaceView& view = s.topology->view;
+  const std::vector<SawPlane> planes = planes_of(cut);
+  const int32_t bone = bone_meant(*s.topology, cut);  // what else the planes meet is not to be sawn
   for (size_t t = 0; t < view.tri.size(); ++t) {
-    if (!s.topology->is_ground(t, Ground::bone)) continue;
+    if (!s.topology->is_ground(t, Ground::bone) || t >= s.topology->object.size() || s.topology->object[t] != bone)
+      continue;
     Vec3 x[3];
-    double d[3];
-    for (size_t k = 0; k < 3; ++k) {
-      const auto at = size_t(view.tri[t][k]);
-      x[k] = s.x_mm[at].cast<double>(), d[k] = (x[k] - point).dot(normal);
-    }
-    std::vector<Vec3> ends;
-    for (size_t k = 0; k < 3; ++k) {
-      const size_t next = (k + 1) % 3;
-      if ((d[k] < 0) == (d[next] < 0)) continue;
-      const Vec3 p = x[k] + (x[next] - x[k]) * (d[k] / (d[k] - d[next]));
-      const Vec3 r = p - point;
-      if (reach_mm > 0 && r.norm() > reach_mm) continue;
-      if (u && v) {  // between two rays
-        const Vec3 w = u->cross(*v);
-        if (u->cross(r).dot(w) < 0 || r.cross(*v).dot(w) < 0) continue;
+    for (size_t k = 0; k < 3; ++k) x[k] = s.x_mm[size_t(view.tri[t][k])].cast<double>();
+    for (const SawPlane& plane : planes) {
+      std::vector<Vec3> ends;
+      for (size_t k = 0; k < 3; ++k) {
+        const Vec3 &p = x[k], &q = x[(k + 1) % 3];
+        const double hp = (p - plane.at).dot(plane.normal), hq = (q - plane.at).dot(plane.normal);
+        if ((hp < 0) == (hq < 0)) continue;
+        if (const Vec3 on = p + (q - p) * (hp / (hp - hq)); plane.reaches(on)) ends.push_back(on);
       }
-      ends.push_back(p);
+      if (ends.size() == 2) lines_.add(ends[0].cast<float>(), ends[1].cast<float>(), Vec3f(0.45f, 0.05f, 0.85f));
     }
-    if (ends.size() == 2) lines_.add(ends[0].cast<float>(), ends[1].cast<float>(), Vec3f(0.45f, 0.05f, 0.85f));
   }
 }
 
@@ -90,17 +86,13 @@ void PlanSheet::on_bone(const HeadCommand& act, const Snapshot& s, bool next) {
     if (path.size() > 1) add_tube(props_, path, std::vector<float>(path.size(), radius), {colour, 0, 0}, 6);
   };
   if (const auto* c = std::get_if<CutBone>(&act)) {
-    if (c->contour_mm.empty())
-      return plane_on_bone(s, c->point_mm, c->normal.normalized(), nullptr, nullptr, c->radius_mm);
+    if (c->contour_mm.empty()) return planes_on_bone(s, act);
     std::vector<Vec3f> path;
     for (const Vec3& p : c->contour_mm) path.push_back(p.cast<float>());
     path.push_back(path.front());
     tube(path, kBone);
-  } else if (const auto* b = std::get_if<CutBoneByBlade>(&act)) {
-    for (size_t i = 0; i + 1 < b->rays.size(); ++i) {
-      const Vec3 n = b->rays[i].cross(b->rays[i + 1]);
-      if (n.norm() > 1e-9) plane_on_bone(s, b->corner_mm, n.normalized(), &b->rays[i], &b->rays[i + 1], b->reach_mm);
-    }
+  } else if (std::holds_alternative<CutBoneByBlade>(act)) {
+    planes_on_bone(s, act);
   } else if (const auto* m = std::get_if<MoveFragment>(&act)) {
     const Vec3f from = m->fragment.at_mm.cast<float>(),
                 to = (isometry(m->by, m->fragment.at_mm) * m->fragment.at_mm).cast<float>();

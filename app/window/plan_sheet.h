@@ -33,8 +33,7 @@ class PlanSheet {
   void ring(const Vec3f& at, float radius_mm, const Vec3f& colour);
   void act(const Coach& coach, size_t i, const Snapshot& s);
   void on_bone(const HeadCommand& act, const Snapshot& s, bool next);
-  void plane_on_bone(const Snapshot& s, const Vec3& point, const Vec3& normal, const Vec3* u, const Vec3* v,
-                     double reach_mm);
+  void planes_on_bone(const Snapshot& s, const HeadCommand& cut);
 
   SkinChart chart_;
   PropMesh props_;

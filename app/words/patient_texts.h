@@ -43,6 +43,8 @@ inline constexpr const char* kPatientTexts[] = {
     english("pen: a line of {} mm"),
     english("osteotomy by a plane"),
     english("osteotomy by a contour of {} places"),
+    english("osteotomy by a contour of {} places: the bone still hangs together elsewhere"),
+    english("osteotomy by a plane: the bone still hangs together elsewhere"),
     english("osteotomy by {} planes that meet in a corner"),
     english("fragment moved by {} mm"),
     english("fragment moved by {} mm, turned by {} degrees"),

@@ -180,8 +180,9 @@ ActedOnBone Bones::cut(const Osteotomy& asked) {
     if (!at.allFinite()) return refused("a place of the cut is not finite");
     change.what.fragment = nearest_fragment(at);
   }
+  const size_t fragments = now_.fragments.size();
   if (std::string bad = all_of([&] { return cut_mesh(change.what, change.delta); }); !bad.empty()) return refused(bad);
-  return finish(std::move(change));
+  return finish(std::move(change), now_.fragments.size() > fragments ? std::string() : kHangsTogether);
 }
 
 std::string Bones::join_mesh(BoneChange& join) {

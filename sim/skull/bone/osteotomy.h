@@ -44,6 +44,9 @@ inline constexpr double kPickStep_mm = 5;
 /// A fragment smaller than this is refused: the edges of the meshes are 2 to 4 mm long.
 inline constexpr double kSmallest_mm3 = 20;
 
+/// What is told of a cut that was allowed to free nothing, and did not.
+inline constexpr const char* kHangsTogether = "the bone still hangs together elsewhere";
+
 /// What a cut did. A refused one (reason not empty) has changed nothing.
 struct Cut {
   std::string reason;

@@ -115,7 +115,8 @@ ActedOnHead Head::cut(const bone::Osteotomy& o) {
   return finish(change, [&] {
     bones_changed(version);
     // A cut through what a tissue hangs on is allowed; whoever made it is told.
-    return has_face_ && !face_.warnings().empty() ? face_.warnings().back() : sawn.reason;
+    const std::string warning = has_face_ && !face_.warnings().empty() ? face_.warnings().back() : "";
+    return sawn.reason + (sawn.reason.empty() || warning.empty() ? "" : "; ") + warning;
   });
 }
 

@@ -1,231 +1,11 @@
-// A hand that errs with the saw on the shipped heads, chin and maxilla: what the window says at each error. With
-// LIMBERG_PICTURES=DIR in the environment the window is drawn into files at every word.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <cstdlib>
-#include <map>
-
-#include "app/assembly/assembly.h"
-#include "app/pictures/pictures.h"
-#include "app/program/places.h"
-#include "app/session/lockstep.h"
-#include "app/window/window_frames.h"
-#include "devices/emulator.h"
-#include "sim/commands/script.h"
-#include "sim/geometry/polyline.h"
-#include "tests/app/window/drawn_window.h"
-#include "tests/sim/commands/shipped_scripts.h"
+// A hand that errs with the saw on the shipped heads: what the window says at each error.
+#include "tests/app/window/sawn_head.h"
 #include "tests/sim/skull/needs_bullet.h"
 
 namespace limberg {
 namespace test_erring_saw_heads {
 
-/// One thing that the hand does: the saw pressed down and led along a way, or something told.
-struct Deed {
-  std::vector<Vec3> way_mm;
-  std::optional<Command> told;
-};
-
-/// A steady hand: 0.6 s down, 40 mm/s along, up again.
-class SawHand final : public Source {
- public:
-  explicit SawHand(std::vector<Deed> deeds) : deeds_(std::move(deeds)) {}
-  void poll(int64_t now_ns, SampleSink& sink) override {
-    if (next_ == deeds_.size()) return;
-    const Deed& d = deeds_[next_];
-    if (began_ns_ < 0) begin(d, now_ns, sink);
-    const double t_s = double(now_ns - began_ns_) * 1e-9;
-    for (; double(sent_) * 0.01 <= t_s && !d.way_mm.empty(); ++sent_) stylus(d, double(sent_) * 0.01, sink);
-    if (t_s > lasts_s_) ++next_, began_ns_ = -1;
-  }
-  bool done() const override { return next_ == deeds_.size(); }
-  SourceCounts counts() const override { return {seq_, 0, 0}; }
-
- private:
-  static constexpr double kDown_s = 0.6, kUp_s = 1.5, kSpeed_mm_s = 40;
-  void begin(const Deed& d, int64_t now_ns, SampleSink& sink) {
-    began_ns_ = now_ns, sent_ = 0, lasts_s_ = 1.5;
-    if (d.told && !std::holds_alternative<Undo>(*d.told)) {
-      CommandSample c = command_sample(*d.told);
-      c.device_id = 1, c.seq = seq_++, c.t_ns = now_ns;
-      return sink.on_sample(c);
-    }
-    ControlSample c;
-    c.device_id = 1, c.seq = seq_++, c.t_ns = now_ns;
-    c.kind = d.told ? ControlSample::undo : ControlSample::select_tool, c.tool = Tool::saw;
-    sink.on_sample(c);
-    long_mm_ = 0;
-    for (size_t i = 1; i < d.way_mm.size(); ++i) long_mm_ += (d.way_mm[i] - d.way_mm[i - 1]).norm();
-    if (!d.way_mm.empty()) lasts_s_ = kDown_s + long_mm_ / kSpeed_mm_s + kUp_s;
-  }
-  void stylus(const Deed& d, double t_s, SampleSink& sink) {
-    StylusSample s;
-    s.device_id = 1, s.seq = seq_++, s.t_ns = began_ns_ + int64_t(t_s * 1e9);
-    double left = std::clamp((t_s - kDown_s) * kSpeed_mm_s, 0.0, long_mm_);
-    s.tip_mm = d.way_mm.back();
-    for (size_t i = 1; i < d.way_mm.size(); ++i) {
-      const Vec3 step = d.way_mm[i] - d.way_mm[i - 1];
-      if (left <= step.norm()) {
-        s.tip_mm = d.way_mm[i - 1] + left / std::max(1e-9, step.norm()) * step;
-        break;
-      }
-      left -= step.norm();
-    }
-    s.buttons = t_s > kDown_s - 0.2 && t_s < kDown_s + long_mm_ / kSpeed_mm_s + 0.3;
-    if (!s.buttons) s.tip_mm += Vec3(0, 15 * std::min(1.0, std::abs(t_s - kDown_s + 0.2) / 0.3), 0);
-    sink.on_sample(s);
-  }
-  std::vector<Deed> deeds_;
-  size_t next_ = 0, sent_ = 0;
-  int64_t began_ns_ = -1, seq_ = 0;
-  double lasts_s_ = 0, long_mm_ = 0;
-};
-
-/// Where a plane cuts the surface of a fragment, as closed lines.
-std::vector<std::vector<Vec3>> section(const SurfaceTopology& t, int32_t object, const Vec3& at, const Vec3& normal) {
-  const SurfaceView& v = t.view;
-  const auto height = [&](int32_t p) { return (v.X_mm[size_t(p)] - at).dot(normal) + 1e-7; };
-  using Edge = std::pair<int32_t, int32_t>;
-  std::map<Edge, std::vector<Edge>> next;
-  std::map<Edge, Vec3> place;
-  for (size_t k = 0; k < v.tri.size(); ++k) {
-    if (t.object.empty() || t.object[k] != object) continue;
-    std::vector<Edge> crossed;
-    for (size_t c = 0; c < 3; ++c) {
-      const int32_t p = std::min(v.tri[k][c], v.tri[k][(c + 1) % 3]), q = std::max(v.tri[k][c], v.tri[k][(c + 1) % 3]);
-      const double hp = height(p), hq = height(q);
-      if (hp * hq >= 0) continue;
-      place[{p, q}] = v.X_mm[size_t(p)] + hp / (hp - hq) * (v.X_mm[size_t(q)] - v.X_mm[size_t(p)]);
-      crossed.emplace_back(p, q);
-    }
-    if (crossed.size() == 2) next[crossed[0]].push_back(crossed[1]), next[crossed[1]].push_back(crossed[0]);
-  }
-  std::vector<std::vector<Vec3>> lines;
-  while (!next.empty()) {
-    std::vector<Vec3> line;
-    Edge e = next.begin()->first;
-    while (next.count(e)) {
-      line.push_back(place[e]);
-      const std::vector<Edge> on = next[e];
-      next.erase(e);
-      for (const Edge& o : on)
-        if (next.count(o)) e = o;
-    }
-    lines.push_back(std::move(line));
-  }
-  return lines;
-}
-/// That which goes round the foremost place.
-std::vector<Vec3> foremost(const std::vector<std::vector<Vec3>>& lines) {
-  const std::vector<Vec3>* best = nullptr;
-  double most = -1e9;
-  for (const auto& l : lines)
-    for (const Vec3& p : l)
-      if (std::abs(p.x()) < 8 && p.y() > most) most = p.y(), best = &l;
-  return best ? *best : std::vector<Vec3>{};
-}
-/// Closed, from its hindmost place on, and a little beyond it.
-std::vector<Vec3> round(std::vector<Vec3> line) {
-  if (line.empty()) return line;
-  const auto back = std::min_element(line.begin(), line.end(), [](auto& a, auto& b) { return a.y() < b.y(); });
-  std::rotate(line.begin(), back, line.end());
-  line.push_back(line.front());
-  return line;
-}
-/// Its front, from the right to the left.
-std::vector<Vec3> front(const std::vector<Vec3>& line, double half_mm) {
-  std::vector<Vec3> out;
-  for (double x = -half_mm; x <= half_mm; x += 2) {
-    const Vec3* best = nullptr;
-    for (const Vec3& p : line)
-      if (std::abs(p.x() - x) < 2.5 && (!best || p.y() > best->y())) best = &p;
-    if (best) out.push_back(*best);
-  }
-  return out;
-}
-
-class Watched final : public PictureSink {
- public:
-  Watched(testing::MemoryScreen& screen, WindowFrames& window, std::string pictures)
-      : screen_(screen), window_(window), pictures_(std::move(pictures)) {}
-  void prepare(const SurfaceTopology& first) override { window_.prepare(first); }
-  void notice(const Notice& n) override { window_.notice(n); }
-  void missed(const MissedPress& m, const Snapshot& s) override { window_.missed(m, s); }
-  bool wants_frame() override { return true; }
-  void stage(const std::string&, const Snapshot&) override {}
-  void finish() override { window_.finish(); }
-  void frame(const Snapshot& s, const ToolState& t) override {
-    if (++calls_ % (pictures_.empty() ? 15 : 5) != 0) return;
-    window_.wants_frame();
-    window_.frame(s, t);
-    const size_t said = window_.coach()->said().size();
-    if (pictures_.empty() || said == said_) return;
-    said_ = said;
-    for (int i = 0; i < 4; ++i) window_.wants_frame(), window_.frame(s, t);
-    write_png(pictures_ + "/saw-" + std::to_string(1000 + ++shots_).substr(1) + ".png", window_.picture());
-  }
-
- private:
-  testing::MemoryScreen& screen_;
-  WindowFrames& window_;
-  std::string pictures_;
-  int calls_ = 0, shots_ = 0;
-  size_t said_ = 0;
-};
-
-struct Told {
-  std::string all;
-  std::vector<std::string> refused;
-  bool first_done = false;
-};
-
-/// The lesson's scene, with what the hand does there.
-template <class Deeds>
-Told say_of(const std::string& name, Deeds&& deeds) {
-  const Lesson lesson = open_lesson(source_dir() + "/app/lessons/" + name + ".toml");
-  Scene scene = load_scene(source_dir() + "/app/scenes/" + lesson.scene + ".toml");
-  const char* pictures = std::getenv("LIMBERG_PICTURES");
-  if (!pictures) scene.head->face = false, scene.head->tissues.clear(), scene.head->face_landmarks.clear();
-  const std::vector<Command> script = test::shipped_commands(name);
-  testing::MemoryScreen screen;
-  HandFeed feed;
-  WindowSettings set;
-  set.facts.scene = scene.name, set.facts.device = "stylus", set.facts.own_device = set.facts.calibrated = true;
-  set.facts.goal = lesson.goal, set.facts.skin = false, set.facts.head = true;
-  set.camera = scene_camera(scene), set.lesson = make_lesson_plan(&lesson, script);
-  WindowFrames window(screen, feed, nullptr, set);
-  Watched watched(screen, window, pictures ? pictures : "");
-  AssemblyOptions o;
-  o.workers = 1, o.sink = &watched, o.draw_frames = true;
-  Assembly a(scene, Calibration{}, o);
-  Snapshot first;
-  a.patient->fill(first);
-  const HeadCommand* planned = nullptr;
-  for (const Command& c : script)
-    if (const auto* h = std::get_if<HeadCommand>(&c); h && !planned) planned = h;
-  a.front.add(std::make_unique<SawHand>(deeds(*first.topology, *planned)));
-  SessionSettings s = a.session_settings();
-  s.ticks_per_frame = 33, s.settle_steps = 0;
-  run_lockstep(a.lanes(nullptr), s);
-  Told told;
-  for (const Coach::Said& w : window.coach()->said())
-    told.all += "  " + std::to_string(w.t_s).substr(0, 5) + "  " + w.word + "\n";
-  for (const Refusal& r : a.solver.refused()) told.refused.push_back(r.reason);
-  told.first_done = window.coach()->progress().act[0].state == ActProgress::done;
-  if (pictures) std::puts(told.all.c_str());
-  return told;
-}
-
-void expect_in_order(const std::string& all, std::initializer_list<const char*> words) {
-  size_t from = 0;
-  for (const char* w : words) {
-    const size_t at = all.find(w, from);
-    EXPECT_NE(at, std::string::npos) << "not said, or too early: " << w << "\nsaid:\n" << all;
-    if (at != std::string::npos) from = at;
-  }
-}
+using namespace sawn_head;
 
 TEST(ErringSawOnHeads, TheChinIsSawnWrongInFiveWaysAndThenRight) {
   LIMBERG_NEEDS_BULLET();
@@ -258,15 +38,96 @@ TEST(ErringSawOnHeads, TheChinIsSawnWrongInFiveWaysAndThenRight) {
                              {off, {}},     // the way ends in the air
                              {eight, {}},   // over itself
                              {plug, {}},    // in the front alone: it does not go through
+                             {{}, Undo{}},
                              {{cut.point_mm + Vec3(0, 60, 0), cut.point_mm + Vec3(5, 60, 0)}, {}},  // on nothing
                              {round(ring(0)), {}}};
   });
   expect_in_order(told.all,
                   {"mm above the line that is drawn: lead it down", "Too near: the cut comes within",
                    "Ctrl+Z takes it back", "Not done: the contour is too small", "Lead the saw once all round the bone",
-                   "Not done: the swept surface meets the other table in several curves",
-                   "Not done: the cut does not divide the bone", "Lead the saw once all round the bone",
-                   "There is no bone under the saw", "As planned"});
+                   "Not done: the swept surface meets the other table in several curves", "So far as planned: ",
+                   "lead the saw all round at once", "There is no bone under the saw", "As planned"});
+  EXPECT_TRUE(told.first_done) << told.all;
+}
+
+TEST(ErringSawOnHeads, AMaxillaIsSawnFreeByTwoLinesAndNoOtherBoneCounts) {
+  LIMBERG_NEEDS_BULLET();
+  try {
+    make_osmesa_context();
+  } catch (const RenderUnavailable&) {
+    GTEST_SKIP() << "no OSMesa here";
+  }
+  const Told told = say_of("le_fort_1", [](const SurfaceTopology& t, const HeadCommand& planned) {
+    const auto halves = planned_lines(t, planned);
+    EXPECT_EQ(halves.size(), 2u) << "the maxilla hangs on both sides of the nose";
+    std::vector<Vec3> low = halves[0], ramus;
+    for (Vec3& p : low) p += Vec3(0, 0, -3.8);
+    // On the plane behind the palate, where that meets the mandible.
+    for (const auto& line : section(t, 1, std::get<CutBoneByBlade>(planned).corner_mm, Vec3(0, 1, -0.019)))
+      if (line.size() > 20) ramus = line;
+    return std::vector<Deed>{{round(ramus), {}},
+                             {{}, Undo{}},
+                             {round(low), {}},
+                             {{}, Undo{}},
+                             {{halves[0][0], halves[0][1], halves[0][2], halves[0][3]}, {}},
+                             {{Vec3(0, 160, 0), Vec3(5, 160, 0)}, {}},
+                             {round(halves[0]), {}},
+                             {round(halves[1]), {}}};
+  });
+  expect_in_order(told.all, {"elsewhere than planned", "Too near: the cut comes within", "too short, or does not close",
+                             "There is no bone under the saw", "So far as planned: ", "As planned"});
+  EXPECT_EQ(told.all.find("As planned"), told.all.rfind("As planned")) << "once, of the second half\n" << told.all;
+  EXPECT_TRUE(told.first_done) << told.all;
+  EXPECT_EQ(told.bones, 3u);
+  EXPECT_TRUE(told.refused.empty());
+}
+
+TEST(ErringSawOnHeads, BothRamiAreSplitByHandAndAMidfaceByThreeLines) {
+  LIMBERG_NEEDS_BULLET();
+  try {
+    make_osmesa_context();
+  } catch (const RenderUnavailable&) {
+    GTEST_SKIP() << "no OSMesa here";
+  }
+  const auto all_lines = [](const std::string& lesson, size_t lines, bool chin_first) {
+    return say_of(lesson, [=](const SurfaceTopology& t, const HeadCommand&) {
+      std::vector<Deed> deeds;
+      if (chin_first) {
+        deeds.push_back({round(foremost(section(t, 1, Vec3(0, 77.3, -90.2), Vec3(0, 0.08, 0.997)))), {}});
+        deeds.push_back({{}, Undo{}});
+      }
+      size_t n = 0;
+      for (const Command& c : test::shipped_commands(lesson))
+        if (const auto* h = std::get_if<HeadCommand>(&c); h && std::holds_alternative<CutBoneByBlade>(*h))
+          for (const auto& line : planned_lines(t, *h)) deeds.push_back({round(line), {}}), ++n;
+      EXPECT_EQ(n, lines);
+      return deeds;
+    });
+  };
+  const Told split = all_lines("sagittal_split", 2, true);
+  expect_in_order(split.all, {"elsewhere than planned", "Ctrl+Z takes it back", "As planned", "As planned"});
+  EXPECT_EQ(split.bones, 4u);
+  const Told midface = all_lines("le_fort_3", 3, false);
+  expect_in_order(midface.all, {"So far as planned: 8", "So far as planned: 94 %", "As planned"});
+  EXPECT_EQ(midface.bones, 3u);
+  EXPECT_TRUE(midface.first_done);
+}
+
+TEST(ErringSawOnHeads, AForeheadIsSawnBesideItsLineThenAlongIt) {
+  LIMBERG_NEEDS_BULLET();
+  try {
+    make_osmesa_context();
+  } catch (const RenderUnavailable&) {
+    GTEST_SKIP() << "no OSMesa here";
+  }
+  const Told told = say_of("craniofacial", [](const SurfaceTopology&, const HeadCommand& planned) {
+    const std::vector<Vec3>& line = std::get<CutBone>(planned).contour_mm;
+    std::vector<Vec3> high = line;
+    for (Vec3& p : high) p += Vec3(0, 0, 8);
+    return std::vector<Deed>{{{line[0], line[1], line[2]}, {}}, {round(high), {}}, {round(line), {}}};
+  });
+  expect_in_order(told.all, {"too short, or does not close", "above the line that is drawn: lead it down",
+                             "Not done: ", "Lead the saw once all round the bone", "As planned"});
   EXPECT_TRUE(told.first_done) << told.all;
 }
 
