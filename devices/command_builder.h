@@ -23,7 +23,8 @@ class CommandBuilder {
   ///   seconds 0; hook_release -> ReleaseHook; suture_b -> Suture, or SutureCorner where suture_tip came before;
   ///   of the running stitch SutureBite, of a stitch in a cut face InSpace; suture_knot -> TieSuture;
   ///   suture_let_go -> LetThreadGo; suture_cut -> CutSuture; undo -> Undo; redo -> Redo; stage -> Stage.
-  ///   Of the saw stroke_end -> CutBone (bone_contour.h), which need not divide; bone_grab -> GrabFragment; bone_drag -> DragFragment to where
+  ///   Of the saw stroke_end -> CutBone (bone_contour.h),
+  ///   which need not divide; bone_grab -> GrabFragment; bone_drag -> DragFragment to where
   ///   it was taken,
   ///   seconds 0; bone_release -> LetGo. command -> that command.
   /// Progressive: a stroke_point of the scalpel completes a piece of some 5 mm that lies a little behind the hand,

@@ -165,11 +165,18 @@ const RenderScene& SceneBuilder::build(const Snapshot& snapshot, const ToolPose&
       add_tube(scene.props, std::array{snapshot.x_mm[size_t(a)], snapshot.x_mm[size_t(b)]}, std::array{0.22f, 0.22f},
                {Vec3f(0.80f, 0.58f, 0.13f), 0, 0}, 3);
   if (snapshot.sewn.thread != 0 && snapshot.sewn.end_mm.allFinite()) {
-    const NearestSkin at = nearest_skin(scene, snapshot.sewn.end_mm);
-    Vec3f across = Vec3f::Zero();  // the way of its last bite, out of the wound
-    for (const SutureState& k : snapshot.sutures)
-      if (k.thread == snapshot.sewn.thread && (k.b_mm - k.a_mm).norm() > 0.3f) across = k.b_mm - k.a_mm;
-    add_sewn_thread(scene.props, snapshot.sewn.end_mm, at.found ? at.normal : Vec3f(Vec3f::UnitZ()), across, tool);
+    // It leaves the skin where the last stitch goes in, not at the edge that its bite is held by.
+    Vec3f from = snapshot.sewn.end_mm, across = Vec3f::Zero();  // across: out of the wound
+    for (const SutureState& k : snapshot.sutures) {
+      if (k.thread != snapshot.sewn.thread) continue;
+      if ((k.b_mm - k.a_mm).norm() > 0.3f) across = k.b_mm - k.a_mm;
+      if (const StitchWay way = stitch_way(scene, snapshot, k); !way.path_mm.empty()) {
+        from = way.path_mm.back();
+        if ((k.b_mm - k.a_mm).norm() <= 0.3f) across = from - way.path_mm.front();
+      }
+    }
+    const NearestSkin at = nearest_skin(scene, from);
+    add_sewn_thread(scene.props, from, at.found ? at.normal : Vec3f(Vec3f::UnitZ()), across, tool);
   }
   add_tool(scene.props, tool), add_gloves(scene, tool);
   return scene;

@@ -95,7 +95,7 @@ void saw_along(const LessonPlan& plan, const std::vector<StandingAct>& standing,
     ActProgress a;
     for (SawnPart& part : progress.part) {
       if (part.act != i) continue;
-      const double near_mm = std::min(kBesideAtMost_mm, kBeside_mm + part.offs.front().value);
+      const double near_mm = std::min(kBesideAtMost_mm, kBeside_mm + (part.offs.empty() ? 0 : part.offs.front().value));
       for (size_t k = 0; k < line.size(); ++k)
         for (const Vec3& p : sawn_by_hand(standing[part.standing].command)->contour_mm)
           if ((p - line[k]).norm() < near_mm) sawn[k] = 1;
