@@ -89,7 +89,9 @@ TEST(Viewer, RefusesWhatIsNoModel) {
 
 class ViewerPage : public ::testing::Test {
  protected:
-  const fs::path dir = fs::path(binary_dir()) / "test_viewer_files";
+  // Of each test its own: they may run side by side.
+  const fs::path dir =
+      fs::path(binary_dir()) / "test_viewer_files" / ::testing::UnitTest::GetInstance()->current_test_info()->name();
   void SetUp() override { fs::remove_all(dir), fs::create_directories(dir); }
   std::string page() const { return report_html(R"({"command": "operate", "scene": "small"})", dir.string()); }
 };
