@@ -31,6 +31,18 @@ double near_ring_mm(const std::vector<Vec3>& ring, const Vec3& p) {
 
 }  // namespace
 
+std::optional<std::pair<Vec3, Vec3>> SawPlane::through(const std::array<Vec3, 3>& x) const {
+  std::array<Vec3, 3> ends;
+  size_t n = 0;
+  for (size_t k = 0; k < 3; ++k) {
+    const Vec3 &p = x[k], &q = x[(k + 1) % 3];
+    const double hp = (p - at).dot(normal), hq = (q - at).dot(normal);
+    if ((hp < 0) != (hq < 0)) ends[n++] = p + (q - p) * (hp / (hp - hq));
+  }
+  if (n != 2) return std::nullopt;
+  return std::pair(ends[0], ends[1]);
+}
+
 std::vector<SawPlane> planes_of(const HeadCommand& c) {
   std::vector<SawPlane> all;
   if (const auto* cut = std::get_if<CutBone>(&c); cut && cut->contour_mm.empty())

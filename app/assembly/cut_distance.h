@@ -1,8 +1,10 @@
 #pragma once
 // How far places are from a cut of bone, planned or sawn. In mm in the frame of the head, on the bones where they were
 // at first.
+#include <array>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "app/assembly/lesson_steps.h"
@@ -21,6 +23,8 @@ struct SawPlane {
     const Vec3 w = u.cross(v);
     return u.cross(r).dot(w) >= 0 && r.cross(v).dot(w) >= 0;
   }
+  /// Where it runs through a triangle, however far it reaches; nothing: beside it.
+  std::optional<std::pair<Vec3, Vec3>> through(const std::array<Vec3, 3>& triangle) const;
 };
 std::vector<SawPlane> planes_of(const HeadCommand& cut);
 /// Of those that reach there; null: none does.

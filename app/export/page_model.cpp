@@ -156,7 +156,8 @@ class PageWriter {
       about[v] = {uint8_t(std::clamp(std::lround(m.depth_mm[v] / kDepthStep_mm), 0l, 255l)),
                   uint8_t(std::clamp(std::lround(m.rim_mm[v] / kRimReach_mm * 255), 0l, 255l)), uint8_t(m.part[v]), 0};
     attributes["_DEPTH_RIM_PART"] = buffer.accessor(about.data(), about.size(), 4, 5121, "VEC4", PageBuffer::kVertices);
-    // Not COLOR_0, which other programs multiply by: these are sRGB and lie over what is there, by their last number.
+    // Not COLOR_0: other programs multiply a material's colour by that. A region's colour is sRGB and lies over the
+    // material's, as much of it as its fourth number says.
     if (!m.rgba.empty())
       attributes["_COLOUR"] =
           buffer.accessor(m.rgba.data(), m.rgba.size(), 4, 5121, "VEC4", PageBuffer::kVertices, true);

@@ -68,16 +68,11 @@ std::vector<Vec3> line_on_bone(const SurfaceTopology& s, const HeadCommand& cut)
   const int32_t bone = planes.empty() ? -1 : bone_meant(s, cut);
   for (size_t t = 0; bone >= 0 && t < s.view.tri.size(); ++t) {
     if (t >= s.object.size() || s.object[t] != bone || !s.is_ground(t, Ground::bone)) continue;
-    for (const SawPlane& plane : planes) {
-      Vec3 ends[3];
-      size_t n = 0;
-      for (size_t k = 0; k < 3; ++k) {
-        const Vec3 &p = s.view.X_mm[size_t(s.view.tri[t][k])], &q = s.view.X_mm[size_t(s.view.tri[t][(k + 1) % 3])];
-        const double hp = (p - plane.at).dot(plane.normal), hq = (q - plane.at).dot(plane.normal);
-        if ((hp < 0) != (hq < 0)) ends[n++] = p + (q - p) * (hp / (hp - hq));
-      }
-      if (n == 2 && plane.reaches(0.5 * (ends[0] + ends[1]))) add(ends[0], ends[1]);
-    }
+    std::array<Vec3, 3> x;
+    for (size_t k = 0; k < 3; ++k) x[k] = s.view.X_mm[size_t(s.view.tri[t][k])];
+    for (const SawPlane& plane : planes)
+      if (const auto on = plane.through(x); on && plane.reaches(0.5 * (on->first + on->second)))
+        add(on->first, on->second);
   }
   return line;
 }

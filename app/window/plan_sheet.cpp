@@ -65,18 +65,11 @@ void PlanSheet::planes_on_bone(const Snapshot& s, const HeadCommand& cut) {
   for (size_t t = 0; t < view.tri.size(); ++t) {
     if (!s.topology->is_ground(t, Ground::bone) || t >= s.topology->object.size() || s.topology->object[t] != bone)
       continue;
-    Vec3 x[3];
+    std::array<Vec3, 3> x;
     for (size_t k = 0; k < 3; ++k) x[k] = s.x_mm[size_t(view.tri[t][k])].cast<double>();
-    for (const SawPlane& plane : planes) {
-      std::vector<Vec3> ends;
-      for (size_t k = 0; k < 3; ++k) {
-        const Vec3 &p = x[k], &q = x[(k + 1) % 3];
-        const double hp = (p - plane.at).dot(plane.normal), hq = (q - plane.at).dot(plane.normal);
-        if ((hp < 0) == (hq < 0)) continue;
-        if (const Vec3 on = p + (q - p) * (hp / (hp - hq)); plane.reaches(on)) ends.push_back(on);
-      }
-      if (ends.size() == 2) lines_.add(ends[0].cast<float>(), ends[1].cast<float>(), Vec3f(0.45f, 0.05f, 0.85f));
-    }
+    for (const SawPlane& plane : planes)
+      if (const auto on = plane.through(x); on && plane.reaches(on->first) && plane.reaches(on->second))
+        lines_.add(on->first.cast<float>(), on->second.cast<float>(), Vec3f(0.45f, 0.05f, 0.85f));
   }
 }
 

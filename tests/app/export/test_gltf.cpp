@@ -11,9 +11,8 @@
 #include "app/export/gltf.h"
 #include "render/image.h"
 #include "sim/base/workers.h"
-#include "sim/body/skin_image.h"
 #include "sim/patient/world.h"
-#include "tests/sim/patient/small_block.h"
+#include "tests/app/export/pictured_block.h"
 
 namespace limberg {
 namespace test_gltf {
@@ -185,6 +184,18 @@ void settle(World& w) {
   for (int i = 0; i < 40; ++i) w.step(s);
 }
 
+/// A patient before and after a slit is cut and opens, which is seen last.
+Glb slit(World& world, Snapshot& seen) {
+  GltfStory story;
+  world.fill(seen);
+  story.add(0, "before", seen);
+  EXPECT_TRUE(world.apply(Incise{{{-15, 0}, {15, 0}}, 4}).done);
+  settle(world);
+  world.fill(seen);
+  story.add(1, "open", seen);
+  return read(story.bytes("block"));
+}
+
 TEST(Gltf, PlaysTheOperation) {
   InlineWorkers workers;
   World world(test::small_block(), workers);
@@ -236,15 +247,8 @@ TEST(Gltf, WhatTheTissueLiesAgainstIsThereAndStill) {
                      {"wedge.obj"}));
   spec.body = body;
   World world(spec, workers);
-  GltfStory story;
   Snapshot seen;
-  world.fill(seen);
-  story.add(0, "before", seen);
-  ASSERT_TRUE(world.apply(Incise{{{-15, 0}, {15, 0}}, 4}).done);
-  settle(world);
-  world.fill(seen);
-  story.add(1, "open", seen);
-  const Glb g = read(story.bytes("block"));
+  const Glb g = slit(world, seen);
   expect_valid(g);
   int wedges = 0;
   for (const auto& mesh : g.j["meshes"]) {
@@ -280,11 +284,7 @@ TEST(Gltf, OneMomentStandsStill) {
 // A block with a picture, whose faces meet at seams of it: each corner of the skin lies where the picture has it.
 TEST(Gltf, ThePictureLiesOnTheSkin) {
   InlineWorkers workers;
-  WorldSpec spec = test::small_block();
-  auto image = std::make_shared<SkinImage>();
-  image->width = 2, image->height = 2;
-  image->rgb = {255, 0, 0, 0, 255, 0, 0, 0, 255, 10, 20, 30};
-  spec.image = image;
+  WorldSpec spec = test::pictured_block();
   auto body = std::make_shared<Body>(*spec.body);
   auto& uv = body->surface.uv;
   ASSERT_EQ(uv.size(), body->surface.tri.size());
@@ -292,21 +292,14 @@ TEST(Gltf, ThePictureLiesOnTheSkin) {
     for (Eigen::Vector2f& at : uv[t]) at = Eigen::Vector2f(0.5f, 0.25f) + 0.1f * at;
   spec.body = body;
   World world(spec, workers);
-  GltfStory story;
   Snapshot seen;
-  world.fill(seen);
-  story.add(0, "before", seen);
-  ASSERT_TRUE(world.apply(Incise{{{-15, 0}, {15, 0}}, 4}).done);
-  settle(world);
-  world.fill(seen);
-  story.add(1, "open", seen);
-  const Glb g = read(story.bytes("block"));
+  const Glb g = slit(world, seen);
   expect_valid(g);
   const json& view = g.j["bufferViews"][g.j["images"][0]["bufferView"].get<size_t>()];
   const Image read_back =
       decode_png(std::string_view(g.bin).substr(view["byteOffset"], view["byteLength"]), "the file's picture");
   EXPECT_EQ(read_back.width, 2);
-  EXPECT_EQ(read_back.rgb, image->rgb);
+  EXPECT_EQ(read_back.rgb, spec.image->rgb);
   const json& skin = g.j["materials"][kSkinLook]["pbrMetallicRoughness"];
   EXPECT_EQ(skin["baseColorTexture"], (json{{"index", 0}, {"texCoord", 0}}));
   EXPECT_EQ(skin["baseColorFactor"], (json{1, 1, 1, 1}));

@@ -13,10 +13,9 @@
 #include "app/pictures/skin_fields.h"
 #include "render/image.h"
 #include "sim/base/workers.h"
-#include "sim/body/skin_image.h"
 #include "sim/commands/words.h"
 #include "sim/patient/world.h"
-#include "tests/sim/patient/small_block.h"
+#include "tests/app/export/pictured_block.h"
 
 namespace limberg {
 namespace test_page_model {
@@ -240,12 +239,7 @@ TEST(PageModel, WhatHasColoursOfItsOwnHasThemInThePage) {
 // multiply by are not there.
 TEST(PageModel, ThePictureOnTheSkinIsInThePage) {
   InlineWorkers workers;
-  WorldSpec spec = test::small_block();
-  auto image = std::make_shared<SkinImage>();
-  image->width = 2, image->height = 2;
-  image->rgb = {255, 0, 0, 0, 255, 0, 0, 0, 255, 10, 20, 30};
-  spec.image = image;
-  World world(spec, workers);
+  World world(test::pictured_block(), workers);
   PageModel model("act");
   Snapshot seen;
   world.fill(seen);
@@ -253,7 +247,7 @@ TEST(PageModel, ThePictureOnTheSkinIsInThePage) {
   const Model m(model.bytes("block", somewhere(), 16. / 9));
   const json& view = m.j["bufferViews"][m.j["images"][0]["bufferView"].get<size_t>()];
   EXPECT_EQ(decode_png(std::string_view(m.bin).substr(view["byteOffset"], view["byteLength"]), "picture").rgb,
-            image->rgb);
+            seen.topology->image->rgb);
   const json& skin = m.j["materials"][m.first(0)["material"].get<size_t>()]["pbrMetallicRoughness"];
   EXPECT_EQ(skin["baseColorTexture"], (json{{"index", 0}, {"texCoord", 1}}));
   EXPECT_FALSE(m.first(0)["attributes"].contains("COLOR_0"));
