@@ -1,5 +1,5 @@
 #pragma once
-// A picture in memory, PNG files, and JPEG files that are read. Rows run from the top down, three bytes a pixel, sRGB.
+// A picture in memory, PNG files, and JPEG of photographs. Rows run from the top down, three bytes a pixel, sRGB.
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -49,6 +49,9 @@ Image decode_png(std::string_view bytes, const std::string& name);
 /// The same of JPEG: baseline or progressive, in colours or in grey; a picture of four inks is refused. What its camera
 /// says of how it was held (Exif) is not looked at: a texture's places are those of the file.
 Image decode_jpeg(std::string_view bytes, const std::string& name);
+/// The bytes of a JPEG with all its colours (4:4:4), for what is looked at and not measured; `quality` from 1 to 100 as
+/// libjpeg has it. Empty for an empty picture, or one of more than 65,500 pixels a side, which JPEG has not.
+std::string encode_jpeg(const Image& image, int quality);
 inline bool is_png(std::string_view bytes) { return bytes.starts_with("\x89PNG\r\n\x1a\n"); }
 inline bool is_jpeg(std::string_view bytes) { return bytes.starts_with("\xff\xd8\xff"); }
 /// PNG or JPEG, by its first bytes.

@@ -1,9 +1,11 @@
-// Photographs: what a camera or a scanner lays on a face is a JPEG file.
+// Photographs: what a camera or a scanner lays on a face is a JPEG file, and pages hold their pictures so.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <csetjmp>
 #include <cstddef>
 #include <cstdio>
+#include <cstdlib>
 
 // clang-format off: it uses what stands above.
 #include <jpeglib.h>
@@ -72,7 +74,54 @@ JpegRead read_jpeg_rows(std::string_view bytes, Image& image) {
   return error.cut_short ? JpegRead::damaged : JpegRead::whole;
 }
 
+struct JpegBytes {
+  unsigned char* at = nullptr;  // libjpeg's
+  unsigned long size = 0;
+};
+
+/// False where libjpeg has no room.
+bool write_jpeg_rows(const Image& image, int quality, JpegBytes& out) {
+  jpeg_compress_struct c;
+  JpegError error;
+  c.err = jpeg_std_error(&error.manager);
+  error.manager.error_exit = jpeg_leave;
+  error.manager.output_message = jpeg_silent;
+  if (setjmp(error.back)) {
+    jpeg_destroy_compress(&c);
+    return false;
+  }
+  jpeg_create_compress(&c);
+  jpeg_mem_dest(&c, &out.at, &out.size);
+  c.image_width = JDIMENSION(image.width), c.image_height = JDIMENSION(image.height);
+  c.input_components = 3, c.in_color_space = JCS_RGB;
+  jpeg_set_defaults(&c);
+  jpeg_set_quality(&c, quality, TRUE);
+  for (int k = 0; k < c.num_components; ++k)  // thin lines of colour stay
+    c.comp_info[k].h_samp_factor = c.comp_info[k].v_samp_factor = 1;
+  c.dct_method = JDCT_ISLOW;  // the same bits with and without vector instructions
+  c.optimize_coding = TRUE;
+  jpeg_start_compress(&c, TRUE);
+  const size_t stride = 3 * size_t(image.width);
+  while (c.next_scanline < c.image_height) {
+    JSAMPROW row = const_cast<JSAMPROW>(image.rgb.data() + stride * c.next_scanline);
+    jpeg_write_scanlines(&c, &row, 1);
+  }
+  jpeg_finish_compress(&c);
+  jpeg_destroy_compress(&c);
+  return true;
+}
+
 }  // namespace
+
+std::string encode_jpeg(const Image& image, int quality) {
+  if (image.empty() || std::max(image.width, image.height) > JPEG_MAX_DIMENSION) return {};
+  JpegBytes bytes;
+  const bool whole = write_jpeg_rows(image, quality, bytes);
+  std::string out;
+  if (whole) out.assign(reinterpret_cast<const char*>(bytes.at), bytes.size);
+  std::free(bytes.at);
+  return out;
+}
 
 Image decode_jpeg(std::string_view bytes, const std::string& name) {
   if (!is_jpeg(bytes)) throw InputError(name, 0, "is not a JPEG picture; expected one");

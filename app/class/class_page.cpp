@@ -320,7 +320,7 @@ Markup one(const Class& c, const ClassRow& r) {
                               w("Way of the tool of {}", name))),
         w("Way of the tool of {}", name),
         r.member.also.path.empty() ? w("Cuts of the script; no hand was recorded") : w("Way of the tool"));
-  const std::string picture = r.member.picture.empty() ? "" : png_data_url(r.member.picture, kPicture_px);
+  const std::string picture = r.member.picture.empty() ? "" : picture_data_url(r.member.picture, kPicture_px);
   pictures += figure(picture, w("The result of {}", name), picture.empty() ? w("No picture") : w("At the end"));
   const std::string kind = r.member.also.kind;
   Markup figures;

@@ -73,12 +73,18 @@ std::string base64(std::string_view bytes) {
 
 std::string svg_data_url(std::string_view svg) { return "data:image/svg+xml;base64," + base64(svg); }
 
-std::string png_data_url(const std::string& file, int widest) {
+std::string picture_data_url(const std::string& file, int widest) {
   try {
     std::string bytes = read_whole_file(file, kMostPng, "a PNG picture");
-    const Image image = decode_png(bytes, file);
-    if (const int factor = (image.width + widest - 1) / widest; factor > 1) bytes = encode_png(shrink(image, factor));
-    return bytes.empty() ? std::string() : "data:image/png;base64," + base64(bytes);
+    Image image = decode_png(bytes, file);
+    if (const int factor = (image.width + widest - 1) / widest; factor > 1) {
+      image = shrink(image, factor);
+      bytes = encode_png(image);
+    }
+    if (bytes.empty()) return {};
+    const std::string jpeg = encode_jpeg(image, kPagePictureQuality);
+    if (!jpeg.empty() && jpeg.size() < bytes.size()) return "data:image/jpeg;base64," + base64(jpeg);
+    return "data:image/png;base64," + base64(bytes);
   } catch (const InputError&) {
     return {};  // none, or damaged
   }

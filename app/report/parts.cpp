@@ -126,7 +126,7 @@ std::string picture_url(const std::string& dir, const std::string& name, int wid
   if (name.empty() || p.is_absolute() || name.find('\0') != std::string::npos) return {};
   for (const fs::path& part : p)
     if (part == "..") return {};
-  return html::png_data_url((fs::path(dir) / p).string(), widest);
+  return html::picture_data_url((fs::path(dir) / p).string(), widest);
 }
 
 std::vector<LaneOfReport> lanes_of(const ReportData& d) {

@@ -1,5 +1,5 @@
 #pragma once
-// JPEG files for tests, written by libjpeg: the program only reads them.
+// JPEG files of several kinds for tests, written by libjpeg.
 #include <cstddef>
 #include <cstdio>
 #include <cstdlib>

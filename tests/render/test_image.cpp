@@ -148,6 +148,20 @@ TEST(Jpeg, IsReadAsItWasWritten) {
     }
 }
 
+/// What the program writes for its pages is as near, and a line of one pixel keeps its colour, which pictures whose
+/// colours are thinned out (4:2:0) halve.
+TEST(Jpeg, IsWrittenWithAllItsColours) {
+  const Image a = slope(50, 34);
+  EXPECT_LE(farthest(decode_jpeg(encode_jpeg(a, 95), "a.jpg"), a), 4);
+  Image line(64, 48, {200, 200, 200});
+  for (int y = 0; y < 48; ++y) line.set(31, y, {220, 40, 40});
+  const Image back = decode_jpeg(encode_jpeg(line, 92), "line.jpg");
+  for (int y = 0; y < 48; ++y) EXPECT_NEAR(back.at(31, y).r - back.at(31, y).g, 180, 25) << y;
+  EXPECT_LT(encode_jpeg(a, 60).size(), encode_jpeg(a, 95).size());
+  EXPECT_EQ(encode_jpeg(Image(), 92), "");
+  EXPECT_EQ(encode_jpeg(Image(66000, 1), 92), "");
+}
+
 TEST(Jpeg, IsKnownByItsFirstBytesWhateverItsName) {
   const fs::path dir = scratch("jpeg");
   const Image a = slope(20, 20);

@@ -654,6 +654,7 @@ class Viewer {
     this.build();
     this.slow = drawnByProcessor();
     this.renderer = new THREE.WebGLRenderer({canvas: this.canvas, antialias: !this.slow, alpha: true});
+    this.renderer.debug.checkShaderErrors = false;
     this.renderer.setClearColor(0, 0);
     this.renderer.autoClear = false;
     new ResizeObserver(() => this.resize()).observe(this.stage);

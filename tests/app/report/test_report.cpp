@@ -102,7 +102,7 @@ TEST_F(Report, HoldsTheFigures) {
                            "from equilibrium",
                            "swings from size to size"})
     EXPECT_NE(h.find(text), std::string::npos) << text;
-  EXPECT_EQ(count(h, "data:image/png;base64,"), 3u);
+  EXPECT_EQ(count(h, "data:image/png;base64,") + count(h, "data:image/jpeg;base64,"), 3u);
   EXPECT_EQ(count(h, "<svg"), 2u);
   EXPECT_EQ(h.find("http://", h.find("<body>")), h.find("http://www.w3.org/2000/svg"));  // a name, not an address
   EXPECT_EQ(count(h, "src=\"") + count(h, "href=\""), 3u);                               // nothing is fetched
