@@ -32,10 +32,16 @@ function w(text, ...values) {
 
 // ---- the model: a packed glTF 2.0 file (app/export/page_model.h) -----------------------------------------------------
 
+function bytesOf(base64) {
+  if (Uint8Array.fromBase64) return Uint8Array.fromBase64(base64);  // browsers of 2025 and later, in a tenth of the time
+  const text = atob(base64), bytes = new Uint8Array(text.length);
+  for (let i = 0; i < bytes.length; ++i) bytes[i] = text.charCodeAt(i);
+  return bytes;
+}
+
 /// What viewer.cpp packed: gzip over the file, whose buffer views are ordered by byte and told as differences.
 async function unpack(base64) {
-  const text = atob(base64), packed = new Uint8Array(text.length);
-  for (let i = 0; i < packed.length; ++i) packed[i] = text.charCodeAt(i);
+  const packed = bytesOf(base64);
   // Not a Blob's stream, whose pieces come from another process: 2 s of them for 3 MB.
   const stream = new DecompressionStream('gzip'), into = stream.writable.getWriter(), from = stream.readable.getReader();
   const sent = into.write(packed).then(() => into.close());
@@ -47,22 +53,25 @@ async function unpack(base64) {
   for (let i = 0, at = 0; i < pieces.length; at += pieces[i++].length) glb.set(pieces[i], at);
   const words = new DataView(glb.buffer), jsonLength = words.getUint32(12, true);
   const json = JSON.parse(new TextDecoder().decode(glb.subarray(20, 20 + jsonLength)));
-  const bin = 28 + jsonLength;
-  for (const view of json.bufferViews) {
-    const row = view.byteStride || (view.extras && view.extras.row) || 1, rows = Math.floor(view.byteLength / row);
-    const at = bin + view.byteOffset, part = glb.slice(at, at + rows * row);
-    for (let k = 0, from = 0; k < row; ++k)
-      for (let i = 0, sum = 0, to = at + k; i < rows; ++i, to += row) glb[to] = sum = (sum + part[from++]) & 255;
-  }
-  return {json, glb, bin};
+  return {json, bin: glb.subarray(28 + jsonLength)};
+}
+
+/// The bytes of a buffer view in their order again.
+function viewOf(file, i) {
+  const view = file.json.bufferViews[i], at = view.byteOffset;
+  const row = view.byteStride || (view.extras && view.extras.row) || 1, rows = Math.floor(view.byteLength / row);
+  const out = file.bin.slice(at, at + view.byteLength);
+  for (let k = 0, from = at; k < row; ++k)
+    for (let n = 0, sum = 0, to = k; n < rows; ++n, to += row) out[to] = sum = (sum + file.bin[from++]) & 255;
+  return out;
 }
 
 const kArrays = {5120: Int8Array, 5121: Uint8Array, 5122: Int16Array, 5123: Uint16Array, 5125: Uint32Array, 5126: Float32Array};
 
 /// The numbers of an accessor as they lie there: of places four to a vertex, the last of which is none.
 function numbers(file, accessor) {
-  const a = file.json.accessors[accessor], view = file.json.bufferViews[a.bufferView], Numbers = kArrays[a.componentType];
-  return new Numbers(file.glb.buffer.slice(file.bin + view.byteOffset, file.bin + view.byteOffset + view.byteLength));
+  const a = file.json.accessors[accessor];
+  return new kArrays[a.componentType](viewOf(file, a.bufferView).buffer);
 }
 
 function readModel(file) {
@@ -78,15 +87,17 @@ function readModel(file) {
   const shapes = file.json.meshes.filter((mesh) => !mesh.extras.still).map((mesh) => {
     const first = mesh.primitives[0], named = first.attributes, about = mesh.extras;
     return {
-      at: about.at, from: about.from, until: about.until,
-      base: numbers(file, named.POSITION),
-      moved: (first.targets || []).map((t) => numbers(file, t.POSITION)),
-      chart: numbers(file, named.TEXCOORD_0),
-      about: numbers(file, named._DEPTH_RIM_PART),
-      rgba: named._COLOUR === undefined ? null : numbers(file, named._COLOUR),
-      at_picture: named.TEXCOORD_1 === undefined ? null : numbers(file, named.TEXCOORD_1),
-      fields: about.fields.map((row) => row.map((a) => (a === null ? null : numbers(file, a)))),
-      parts: mesh.primitives.map((p, i) => ({name: about.parts[i], index: numbers(file, p.indices)}))
+      at: about.at, from: about.from, until: about.until, coloured: named._COLOUR !== undefined, names: about.parts,
+      read: () => ({  // when it is shown first, or when nothing else is to do
+        base: numbers(file, named.POSITION),
+        moved: (first.targets || []).map((t) => numbers(file, t.POSITION)),
+        chart: numbers(file, named.TEXCOORD_0),
+        about: numbers(file, named._DEPTH_RIM_PART),
+        rgba: named._COLOUR === undefined ? null : numbers(file, named._COLOUR),
+        at_picture: named.TEXCOORD_1 === undefined ? null : numbers(file, named.TEXCOORD_1),
+        fields: about.fields.map((row) => row.map((a) => (a === null ? null : numbers(file, a)))),
+        parts: mesh.primitives.map((p, i) => ({name: about.parts[i], index: numbers(file, p.indices)}))
+      })
     };
   });
   for (const frame of told.frames)
@@ -96,8 +107,8 @@ function readModel(file) {
 
 /// What lies on the skin, in sizes of powers of two, which WebGL 1 can make smaller pictures of.
 async function pictureOf(file) {
-  const {bufferView, mimeType} = file.json.images[0], view = file.json.bufferViews[bufferView], at = file.bin + view.byteOffset;
-  const as = await createImageBitmap(new Blob([file.glb.slice(at, at + view.byteLength)], {type: mimeType}));
+  const {bufferView, mimeType} = file.json.images[0];
+  const as = await createImageBitmap(new Blob([viewOf(file, bufferView)], {type: mimeType}));
   const power = (n) => Math.min(2 ** Math.ceil(Math.log2(n)), 2048);
   return createImageBitmap(as, {resizeWidth: power(as.width), resizeHeight: power(as.height), resizeQuality: 'high'});
 }
@@ -139,8 +150,9 @@ function coarser(index, base, normal, about, step, wide) {
   }
   return new index.constructor(out);
 }
-const kQuickTriangles = 24000;  // of all patients together: so many a processor alone draws in a thirtieth of a second
-const kQuickSkin = 0.6;         // of them where skin fills the picture
+const kQuickTriangles = [9000, 24000];  // of all patients together, the least and the most, while it moves
+const kQuickRatios = [0.45, 0.75];      // of pixels across
+const kQuickSkin = 0.6;                 // of the triangles where skin fills the picture
 
 // ---- looks: the light and the colours of the pictures (render/shaders.cpp) --------------------------------------------
 
@@ -343,7 +355,7 @@ class Patient {
       layer_range: {value: this.told.layers ? this.told.layers.range_mm : 1},
       key_direction: {value: new THREE.Vector3(...(this.told.lamp || [-0.62, 0.44, 0.65])).normalize()}
     };
-    const coloured = this.shapes.some((s) => s.rgba);
+    const coloured = this.shapes.some((s) => s.coloured);
     if (model.pictured) this.uniforms.picture = {value: colourTable('dcb1a0')};  // until it is there
     this.looks = {};
     this.in_colours = {};
@@ -359,7 +371,7 @@ class Patient {
     for (const s of model.still) this.scene.add(stillMesh(s, this.told, this.things.material));
     this.shown = -1;
     this.field = -1;
-    this.face = this.shapes.some((s) => s.parts.some((p) => p.name === 'face')) ? 'clear' : null;
+    this.face = this.shapes.some((s) => s.names.includes('face')) ? 'clear' : null;
     this.forces = true;
   }
 
@@ -384,6 +396,7 @@ class Patient {
   built(k) {
     const shape = this.shapes[k];
     if (shape.meshes) return shape;
+    Object.assign(shape, shape.read());
     const n = shape.base.length / 4;
     shape.position = new THREE.BufferAttribute(new Float32Array(3 * n), 3).setUsage(THREE.DynamicDrawUsage);
     shape.normal = new THREE.BufferAttribute(new Float32Array(3 * n), 3).setUsage(THREE.DynamicDrawUsage);
@@ -424,8 +437,8 @@ class Patient {
     if (shape.parts.some((p) => p.name === 'skin')) most *= kQuickSkin;
     const all = shape.parts.reduce((n, p) => n + p.index.length / 3, 0);
     const few = most > 0 && all > most;
-    if (few && !shape.coarse) {
-      shape.coarse = true;
+    if (few && shape.coarse !== most) {
+      shape.coarse = most;
       // Triangles over a surface are as the square of how narrow they are.
       const n = shape.base.length / 4, size = [0, 1, 2].map((k) => { let low = 65535, high = 0; for (let v = 0; v < n; ++v) { low = Math.min(low, shape.base[4 * v + k]); high = Math.max(high, shape.base[4 * v + k]); } return (high - low) * this.told.step_mm; });
       let wide = Math.sqrt((size[0] * size[1] + size[1] * size[2] + size[2] * size[0]) * 4 / most);
@@ -651,10 +664,13 @@ class Viewer {
     this.at = this.told.until;
     this.playing = 0;
     this.frames = 0;
+    this.gaps = [];
+    this.quick_ratio = kQuickRatios[1];
+    this.quick_triangles = kQuickTriangles[1];
     this.build();
     this.slow = drawnByProcessor();
     this.renderer = new THREE.WebGLRenderer({canvas: this.canvas, antialias: !this.slow, alpha: true});
-    this.renderer.debug.checkShaderErrors = false;
+    this.renderer.debug.checkShaderErrors = false;  // each would wait for the last one; the browser's console tells of them
     this.renderer.setClearColor(0, 0);
     this.renderer.autoClear = false;
     new ResizeObserver(() => this.resize()).observe(this.stage);
@@ -759,7 +775,7 @@ class Viewer {
   // Time.
   goTo(at, moves = false) {
     this.at = clamp(at, this.told.from, this.told.until);
-    const most = moves && this.slow ? kQuickTriangles / this.patients.length : 0;
+    const most = moves && this.slow ? this.quick_triangles / this.patients.length : 0;
     this.patients.forEach((p, i) => p.show(this.timeOf(i), most));
     const done = this.told.acts.filter((a) => !a.stage && a.at <= this.at + 1e-9), stages = this.told.acts.filter((a) => a.stage && a.at <= this.at + 1e-9);
     const last = done[done.length - 1], stage = stages[stages.length - 1];
@@ -843,17 +859,34 @@ class Viewer {
   /// one is coarser; when no more come it is drawn again as it is.
   ask(moves = false) {
     if (moves && this.slow) {
-      if (!this.moving) this.coarse(true);
+      if (!this.moving) this.coarse(true), this.last_ms = 0;
       clearTimeout(this.moving);
       this.moving = setTimeout(() => { this.moving = 0; this.coarse(false); this.goTo(this.at); }, 200);
     }
     if (this.asked) return;
     this.asked = true;
-    requestAnimationFrame(() => { this.asked = false; this.draw(); });
+    requestAnimationFrame((now) => {
+      this.asked = false;
+      if (this.moving) this.pace(now);
+      this.draw();
+    });
   }
   coarse(on) {
-    for (const p of this.patients) p.quick(on ? kQuickTriangles / this.patients.length : 0);
-    this.renderer.setPixelRatio(on ? 0.75 : this.ratio());
+    for (const p of this.patients) p.quick(on ? this.quick_triangles / this.patients.length : 0);
+    this.renderer.setPixelRatio(on ? this.quick_ratio : this.ratio());
+  }
+  /// Pictures that move shall come 30 times a second. Where they come more slowly they have fewer pixels, down to a fifth,
+  /// then fewer triangles; more pixels again where there is time.
+  pace(now) {
+    if (this.last_ms) this.gaps.push(now - this.last_ms);
+    this.last_ms = now;
+    if (this.gaps.length < 6) return;
+    const mean = this.gaps.reduce((a, b) => a + b) / this.gaps.length, was = this.quick_ratio;
+    this.gaps = [];
+    if (mean > 36 && was <= kQuickRatios[0]) this.quick_triangles = Math.max(this.quick_triangles * 0.7, kQuickTriangles[0]), this.coarse(true);
+    else if (mean > 36) this.quick_ratio = Math.max(was * 0.82, kQuickRatios[0]);
+    else if (mean < 22) this.quick_ratio = Math.min(was / 0.9, kQuickRatios[1]);
+    if (this.quick_ratio !== was) this.renderer.setPixelRatio(this.quick_ratio);
   }
   ratio() { return Math.min(window.devicePixelRatio || 1, this.slow ? 1 : 2); }
   resize() {
@@ -887,8 +920,7 @@ class Viewer {
   }
   /// The force of each stitch and hook beside it, the largest first; one that would cover another is left out.
   tellForces() {
-    this.labels.replaceChildren();
-    const w = this.stage.clientWidth, h = this.stage.clientHeight, taken = [];
+    const w = this.stage.clientWidth, h = this.stage.clientHeight, taken = [], spans = this.labels.children;
     this.patients.forEach((p, i) => {
       if (!p.forces) return;
       const [x, y, wide, high] = this.views()[i], c = this.eye.camera;
@@ -904,9 +936,14 @@ class Viewer {
         if (taken.some(([a, b]) => Math.abs(a - px) < 42 && Math.abs(b - py) < 19)) continue;
         taken.push([px, py]);
         const light = s.hook ? 'hook' : s.force > setup.bad_N ? 'bad' : s.force >= setup.warn_N ? 'warn' : 'good';
-        this.labels.append(el('span', {class: light, style: `left:${px.toFixed(1)}px;top:${py.toFixed(1)}px`}, `${short(s.force)} N`));
+        // The same elements again: new ones would be laid out anew for every picture that moves.
+        const span = spans[taken.length - 1] || this.labels.appendChild(el('span')), text = `${short(s.force)} N`;
+        if (span.className !== light) span.className = light;
+        if (span.textContent !== text) span.textContent = text;
+        span.style.transform = `translate(calc(${px.toFixed(1)}px - 50%),calc(${py.toFixed(1)}px - 145%))`;
       }
     });
+    while (spans.length > taken.length) spans[spans.length - 1].remove();
   }
   /// What the colours say at the place that is pointed at.
   point(e) {
@@ -947,6 +984,9 @@ async function start() {
   box.limberg = viewer;  // for whoever scripts the page
   await Promise.all(pictures);
   viewer.ask();
+  const idle = window.requestIdleCallback || ((f) => setTimeout(f, 50));
+  for (const p of patients)
+    for (let k = p.shapes.length - 1; k >= 0; --k) await new Promise(idle), p.built(k);
 }
 
 start().catch((e) => {
