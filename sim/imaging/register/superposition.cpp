@@ -22,10 +22,11 @@ Vec3 middle_of(const std::vector<Vec3>& x) {
 
 namespace {
 
-constexpr size_t kNeighbours = 12;   // of a point, for its plane
-constexpr size_t kFewest = 10;       // points that say something of a shape: six unknowns, and some to spare
-constexpr double kLine = 0.02;       // of the longest spread: less across it is a line
-constexpr double kPolish_mm = 0.02;  // a motion below it: the trimmed pairs have brought the surfaces together
+constexpr double kLooksAlong = -0.08;  // cosine, to an axis, of what counts as looking along it
+constexpr size_t kNeighbours = 12;     // of a point, for its plane
+constexpr size_t kFewest = 10;         // points that say something of a shape: six unknowns, and some to spare
+constexpr double kLine = 0.02;         // of the longest spread: less across it is a line
+constexpr double kPolish_mm = 0.02;    // a motion below it: the trimmed pairs have brought the surfaces together
 
 Mat3 spread_of(const std::vector<Vec3>& x, const Vec3& m) {
   Mat3 S = Mat3::Zero();
@@ -108,7 +109,7 @@ std::string lacks_shape(const Surface& s) {
   return {};
 }
 
-SurfaceTarget::SurfaceTarget(const Surface& s)
+SurfaceTarget::SurfaceTarget(const Surface& s, bool by_side)
     : tri_(s.tri), normal_(s.x_mm.size(), Vec3::Zero()), rim_(s.x_mm.size(), 0) {
   if (s.x_mm.empty()) throw InputError("", 0, "a surface without points cannot be laid upon");
   if (tri_.empty()) {
@@ -137,6 +138,12 @@ SurfaceTarget::SurfaceTarget(const Surface& s)
       edge.emplace_back(std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3]));
     }
   }
+  for (size_t side = 0; by_side && side < side_.size(); ++side) {
+    std::vector<int32_t> those;
+    for (size_t i = 0; i < tri_.size(); ++i)
+      if ((side % 2 == 0 ? 1 : -1) * face_normal_[i][Eigen::Index(side / 2)] > kLooksAlong) those.push_back(int32_t(i));
+    if (!those.empty()) side_[side] = Bvh(s.x_mm, tri_, those);  // an empty list would mean all
+  }
   for (Vec3& n : normal_)
     if (const double l = n.norm(); l > 0) n /= l;
   std::sort(edge.begin(), edge.end());
@@ -149,13 +156,26 @@ SurfaceTarget::SurfaceTarget(const Surface& s)
 }
 
 SurfaceTarget::Place SurfaceTarget::closest(const Vec3& x) const {
+  if (!cloud()) return place_of(bvh_.closest(x));
+  const PointTree::Nearest n = tree_.nearest(x);
   Place p;
-  if (cloud()) {
-    const PointTree::Nearest n = tree_.nearest(x);
-    p.point_mm = tree_.point(n.index), p.normal = normal_[size_t(n.index)], p.distance_mm = n.distance;
-    return p;
-  }
-  const Bvh::Closest c = bvh_.closest(x);
+  p.point_mm = tree_.point(n.index), p.normal = normal_[size_t(n.index)], p.distance_mm = n.distance;
+  return p;
+}
+
+bool SurfaceTarget::closest_facing(const Vec3& x, const Vec3& normal, double far_mm, Place& place) const {
+  Eigen::Index axis = 0;
+  normal.cwiseAbs().maxCoeff(&axis);
+  const Bvh& side = side_[2 * size_t(axis) + (normal[axis] < 0)];
+  if (side.empty()) return false;
+  const Bvh::Closest c = side.closest(x, far_mm);
+  if (c.triangle < 0) return false;
+  place = place_of(c);
+  return true;
+}
+
+SurfaceTarget::Place SurfaceTarget::place_of(const Bvh::Closest& c) const {
+  Place p;
   const Tri& t = tri_[size_t(c.triangle)];
   p.point_mm = c.point_mm, p.distance_mm = c.distance_mm;
   int zeros = 0;

@@ -17,6 +17,7 @@
 //
 // A surface without triangles is a cloud: normals are those of the best plane
 // through the nearest 12 points, without a side; distances to it are without sign.
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -59,21 +60,27 @@ std::string lacks_shape(const Surface& surface);
 /// What is laid upon: searchable.
 class SurfaceTarget {
  public:
-  /// Throws InputError: no points.
-  explicit SurfaceTarget(const Surface& surface);
+  /// Throws InputError: no points. `by_side`: closest_facing will be asked for.
+  explicit SurfaceTarget(const Surface& surface, bool by_side = false);
   struct Place {
     Vec3 point_mm = Vec3::Zero(), normal = Vec3::UnitZ();
     double distance_mm = 0;  // > 0
     bool border = false;     // on the rim of an open surface
   };
   Place closest(const Vec3& x_mm) const;
+  /// The nearest place of a face that looks the way of `normal` (a unit vector; at least within 54 degrees of it, at most
+  /// 95): of a thin wall its own side. None within `far_mm`, or a cloud: false.
+  bool closest_facing(const Vec3& x_mm, const Vec3& normal, double far_mm, Place& place) const;
   bool cloud() const { return tri_.empty(); }
 
  private:
+  Place place_of(const Bvh::Closest& c) const;
+
   std::vector<Tri> tri_;
   std::vector<Vec3> normal_;  // of vertices, or of points
   std::vector<uint8_t> rim_;  // vertex on a border
   Bvh bvh_;
+  std::array<Bvh, 6> side_;  // faces that look along +x, -x, +y, ...
   PointTree tree_;
   std::vector<Vec3> face_normal_;
 };
