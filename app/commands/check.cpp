@@ -180,6 +180,7 @@ void print_head_scene(const HeadScene& h) {
                 h.face_edge_mm);
   for (const std::string& f : h.bone_files) std::printf("head        bone %s\n", f.c_str());
   if (!h.face_file.empty()) std::printf("head        face %s\n", h.face_file.c_str());
+  for (const std::string& f : h.normal_files) std::printf("head        normal skull %s\n", f.c_str());
   if (!h.face) std::printf("head        no face\n");
   for (const HeadScene::TissueAt& t : h.tissues)
     std::printf("tissue      %s, %d layers of %.4g kPa, %s, %.3g mm around on the face\n", t.tissue.name.c_str(),

@@ -104,7 +104,7 @@ int operate_head(const Scene& scene, const Script& script, const Lesson* lesson,
     if (!draw_head_pictures(common.out_dir, o.stages, first, last, scene_camera(scene), head, common.words()))
       mark_stopped(r), reached = false;
     if (model) model->ended(last), model->leave(common.out_dir, scene.name, scene_camera(scene), kHeadAspect);
-    leave_head_figures(r, head, common.out_dir, last, scene_camera(scene), workers);
+    leave_head_figures(r, head, scene.head->normal_files, common.out_dir, last, scene_camera(scene), workers);
   }
   write_fields(r, "", made_by(this_call()));
   leave_result(r, common);

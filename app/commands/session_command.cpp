@@ -444,7 +444,9 @@ std::optional<InputError> leave_pictures(Result& result, const SessionCall& call
       model->leave(call.common.out_dir, a.scene.name, last, skin ? report_camera(last) : scene_camera(a.scene),
                    skin ? kReportAspect : kHeadAspect);
     }
-    if (a.head) leave_head_figures(result, *a.head, call.common.out_dir, last, scene_camera(a.scene), a.workers);
+    if (a.head)
+      leave_head_figures(result, *a.head, a.scene.head->normal_files, call.common.out_dir, last, scene_camera(a.scene),
+                         a.workers);
   } catch (const InputError& e) {
     return e;
   }

@@ -6,7 +6,9 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
+#include "app/commands/average.h"
 #include "app/commands/commands.h"
 #include "app/commands/numbers.h"
 #include "app/commands/session_command.h"
@@ -31,10 +33,11 @@ namespace limberg {
 namespace {
 
 struct SuperposeOptions {
-  std::string a, b, landmarks, series_a, series_b, plan;
+  std::string a, b, landmarks, series_a, series_b, plan, average;
+  std::vector<std::string> more;
   double bone_HU = 250;
   bool mirror = false, scale = false, landmarks_only = false;
-  double keep = 0.7;
+  std::optional<double> keep;
   CommonOptions common;
 };
 
@@ -96,6 +99,7 @@ struct ResultSuperposition {
   std::optional<ResultMirror> mirror;
   std::optional<ResultDistance> asymmetry;
   std::optional<ResultAgainstPlan> plan;
+  std::optional<ResultAverage> average;
   ResultLandmarks landmarks;
   ResultIcp icp;
   std::optional<std::array<std::array<double, 4>, 3>> a_to_b;
@@ -104,8 +108,8 @@ struct ResultSuperposition {
   std::string reason;
 };
 void fields(ResultSuperposition& x, auto&& f) {
-  f("a", x.a), f("b", x.b), f("mirror", x.mirror), f("asymmetry", x.asymmetry), f("plan", x.plan),
-      f("landmarks", x.landmarks);
+  f("a", x.a), f("b", x.b), f("mirror", x.mirror), f("asymmetry", x.asymmetry), f("plan", x.plan);
+  f("average", x.average), f("landmarks", x.landmarks);
   f("icp", x.icp), f("a_to_b", x.a_to_b), f("distance", x.distance), f("information", x.information);
   f("information_at_start", x.information_at_start), f("overlap", x.overlap), f("reason", x.reason);
 }
@@ -239,10 +243,10 @@ Surface later_bone(const SuperposeOptions& o, Workers& workers) {
 /// A later scan against a plan.
 int against_plan(const SuperposeOptions& o, Result& result, ResultSuperposition& found, Workers& workers,
                  Progress& progress) {
-  if (!o.b.empty() || o.mirror || o.scale || o.landmarks_only || !o.landmarks.empty())
+  if (!o.b.empty() || !o.average.empty() || o.mirror || o.scale || o.landmarks_only || !o.landmarks.empty())
     throw InputError("", 0,
-                     "superpose: --plan takes one later scan alone; expected no B, --mirror, --scale, --landmarks, "
-                     "--landmarks-only");
+                     "superpose: --plan takes one later scan alone; expected no B, --average, --mirror, --scale, "
+                     "--landmarks, --landmarks-only");
   constexpr double kMoved_mm = 0.5;
   const std::vector<PlannedFragment> plan = read_plan(o.plan);
   const Surface later = later_bone(o, workers);
@@ -275,8 +279,28 @@ int against_plan(const SuperposeOptions& o, Result& result, ResultSuperposition&
   return finish(o, result, found, lost);
 }
 
+/// The mean of several.
+int averaged(const SuperposeOptions& o, Result& result, ResultSuperposition& found, Workers& workers,
+             Progress& progress) {
+  if (o.b.empty() || o.mirror || o.landmarks_only || !o.landmarks.empty())
+    throw InputError("", 0,
+                     "superpose: --average takes two surfaces or more; expected no --mirror, --landmarks, "
+                     "--landmarks-only");
+  std::vector<std::string> files{o.a, o.b};
+  files.insert(files.end(), o.more.begin(), o.more.end());
+  AverageSettings s;
+  s.keep = o.keep.value_or(s.keep), s.with_scale = o.scale;
+  progress.note("averaging");
+  std::string reason;
+  found.average = average_files(files, o.average, s, o.common.out_dir, result, workers, reason);
+  progress.clear();
+  return finish(o, result, found, reason);
+}
+
 int run_superpose(const SuperposeOptions& o) {
-  for (const std::string& given : {o.a, o.b})
+  std::vector<std::string> all{o.a, o.b};
+  all.insert(all.end(), o.more.begin(), o.more.end());
+  for (const std::string& given : all)
     if (std::error_code ec; !given.empty() && !std::filesystem::exists(given, ec))
       throw InputError(given, 0,
                        "cannot be read (" + (ec ? ec.message() : "no such file") + "); expected a surface or an image");
@@ -286,6 +310,9 @@ int run_superpose(const SuperposeOptions& o) {
   Result result("superpose", "");
   ResultSuperposition found;
   found.a = o.a, found.b = o.b;
+  if (!o.more.empty() && o.average.empty())
+    throw InputError("", 0, "superpose: more than two surfaces are averaged; expected --average FILE");
+  if (!o.average.empty() && o.plan.empty()) return averaged(o, result, found, workers, progress);
   if (!o.plan.empty()) return against_plan(o, result, found, workers, progress);
   if (!is_surface_name(o.a) && (o.b.empty() || !is_surface_name(o.b))) {
     if (o.b.empty())
@@ -295,7 +322,7 @@ int run_superpose(const SuperposeOptions& o) {
   const auto read = o.landmarks_only && !o.mirror ? load_surface : shape_from;
   const Surface a = read(o.a);
   IcpSettings s;
-  s.keep = o.keep, s.with_scale = o.scale;
+  s.keep = o.keep.value_or(s.keep), s.with_scale = o.scale;
   if (o.mirror) {
     progress.note("looking for the mirror plane");
     const MirrorPlane m = mirror_plane(a, Vec3::UnitX(), s, workers);
@@ -367,13 +394,19 @@ void add_superpose(CLI::App& app, Chosen& chosen) {
   CLI::App* c = app.add_subcommand("superpose", "Lay a surface, or an image, upon another and measure what differs");
   c->add_option("A", o->a, "What is moved: OBJ, PLY, STL, xyz or simplex mesh; or a volume")->required();
   c->add_option("B", o->b, "What it is laid upon, of the same kind; not needed with --mirror");
+  c->add_option("MORE", o->more, "With --average: more surfaces");
+  c->add_option(
+       "--average", o->average,
+       "Writes the mean of all surfaces (.obj, .ply, .stl), with the triangles of A: a normal skull of several")
+      ->type_name("FILE");
   c->add_option("--landmarks", o->landmarks, "Where to begin: lines of a name, x y z in A, x y z in B (mm)")
       ->type_name("FILE");
   c->add_flag("--landmarks-only", o->landmarks_only, "Landmarks alone, without looking for nearest places");
-  c->add_flag("--scale", o->scale, "Let A grow or shrink");
+  c->add_flag("--scale", o->scale, "Let A grow or shrink; with --average all are made as large as their mean");
   c->add_flag("--mirror", o->mirror, "Also the mirror plane of A (first guess: x = middle) and its asymmetry");
-  c->add_option("--keep", o->keep,
-                "Share of the pairs that count: the others are where the two differ or one is missing [0.7]")
+  c->add_option(
+       "--keep", o->keep,
+       "Share of the pairs that count: the others are where the two differ or one is missing [0.7; 1 with --average]")
       ->check(number_from(0.05, 1.));
   c->add_option("--series-a", o->series_a, "Series of a DICOM folder A: number, UID or part of its description")
       ->type_name("NAME");
@@ -385,10 +418,12 @@ void add_superpose(CLI::App& app, Chosen& chosen) {
       ->check(number_from(100., 1500.));
   o->common.add_out(*c), o->common.add_words(*c), o->common.add_json(*c), o->common.add_workers(*c);
   c->footer(
-      "With --out also: distance.csv and distance.ply (coloured), or registered.nrrd. Exit status 3: they could not be "
+      "With --out also: distance.csv and distance.ply (coloured), registered.nrrd or spread.csv. Exit status 3: they "
+      "could not be "
       "laid upon each other; the reason is said.\n"
       "Example: limberg superpose patient.obj normal.obj --landmarks points.txt --out out/superposed\n"
-      "         limberg superpose later_ct --plan out/print");
+      "         limberg superpose later_ct --plan out/print\n"
+      "         limberg superpose one.stl two.stl three.stl --average normal.obj");
   c->callback([o, &chosen] { chosen = [o] { return run_superpose(*o); }; });
 }
 

@@ -16,8 +16,8 @@ namespace limberg {
 void fill_head(Result& result, const Head& head);
 void print_head(const Head& head);
 /// DIR/measures.csv (measures.h), and the skull beside a normal one and its mirror image (skull_comparison.h).
-void leave_head_figures(Result& result, const Head& head, const std::string& dir, const Snapshot& last,
-                        const Camera& camera, Workers& workers);
+void leave_head_figures(Result& result, const Head& head, const std::vector<std::string>& normal_files,
+                        const std::string& dir, const Snapshot& last, const Camera& camera, Workers& workers);
 
 /// Draws DIR/overview.png, the stages, and DIR/head/*.png: face and bones before and after, the map of displacement,
 /// the net of the tissue. `first`: when nothing had been done; at the end the rest of bones may be another (of two that

@@ -117,13 +117,14 @@ Surface bone_surface(const Head& head, bool at_rest, std::vector<int32_t>* fragm
   return surface_of(mesh, fragment);
 }
 
-SkullFit lay_upon(const Surface& skull, const Surface& other, const std::string& words, bool with_scale, Workers& w) {
+SkullFit lay_upon(const Surface& skull, const Surface& other, const std::string& words, bool with_scale, Workers& w,
+                  bool anywhere) {
   SkullFit f;
   f.with = words;
   IcpSettings s = skull_fit();
   s.with_scale = with_scale;
   f.target.emplace(other);
-  const IcpResult r = icp(skull, *f.target, {}, s, w);
+  const IcpResult r = anywhere ? icp_from_anywhere(skull, *f.target, other, s, w) : icp(skull, *f.target, {}, s, w);
   if (!r) f.reason = "The skull could not be laid upon " + words + ": " + r.reason;
   f.map = r.map, f.rms_mm = r.rms_mm;
   return f;
@@ -170,6 +171,23 @@ Surface normal_skull(Workers& w) {
   Surface s;
   for (const simplex::Mesh* m : {&normal.cranium, &normal.mandible}) add_surface(s, *m, simplex::fan_triangles(*m));
   return compacted(s);
+}
+
+SkullFit lay_upon_normal(const Surface& skull, const std::vector<std::string>& files, Workers& w) {
+  if (files.empty()) return lay_upon(skull, normal_skull(w), "a normal skull", false, w);
+  SkullFit f;
+  f.with = "the scene's normal skull";
+  try {
+    Surface other;
+    for (const std::string& f : files) append(other, load_surface(f));
+    f.reason = lacks_shape(other);
+    if (f.reason.empty()) return lay_upon(skull, other, f.with, false, w, true);
+    f.reason = files.front() + " " + f.reason;
+  } catch (const InputError& e) {
+    f.reason = e.what();
+  }
+  f.reason = "The skull could not be laid upon " + f.with + ": " + f.reason;
+  return f;
 }
 
 namespace {
@@ -313,8 +331,8 @@ void report_moments(Result& r, const Head& head, const SkullFit (&fits)[2], cons
 
 }  // namespace
 
-std::vector<std::string> report_skull(Result& r, const Head& head, const std::string& dir, const Snapshot& last,
-                                      const Camera& camera, Workers& w) {
+std::vector<std::string> report_skull(Result& r, const Head& head, const std::vector<std::string>& normal_files,
+                                      const std::string& dir, const Snapshot& last, const Camera& camera, Workers& w) {
   // A skull worth laying upon another unasked has more than a few hundred places.
   constexpr int kLeastVertices = 2000;
   const bool whole = head.bones().mesh().vertices() >= kLeastVertices, moments = !head.skull_moments().empty();
@@ -323,7 +341,7 @@ std::vector<std::string> report_skull(Result& r, const Head& head, const std::st
   for (const SkullMoment& m : head.skull_moments()) wanted[m.on == SkullBeside::mirror] = true;
   const Surface rest = bone_surface(head, true);
   SkullFit fits[2];
-  if (wanted[0]) fits[0] = lay_upon(rest, normal_skull(w), "a normal skull", false, w);
+  if (wanted[0]) fits[0] = lay_upon_normal(rest, normal_files, w);
   if (wanted[1]) fits[1] = fit_to_mirror(rest, w);
   std::vector<std::string> problems;
   for (const SkullFit& f : fits)

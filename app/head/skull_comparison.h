@@ -2,9 +2,9 @@
 // A skull laid upon another: upon a normal one, or upon its own mirror image. What the operation has changed is read
 // off the distance from there, before and after.
 //
-// The normal skull is the synthetic head of normal proportions (cache.h), or any surface. The fit is trimmed ICP of the
-// skull as it was at first (sim/imaging/register/superposition.h): the places that differ most do not draw it, and the
-// operation does not move it.
+// The normal skull is the synthetic head of normal proportions (cache.h), or the surface that the scene names (the mean
+// of several, say: `limberg superpose --average`). The fit is trimmed ICP of the skull as it was at first
+// (sim/imaging/register/superposition.h): the places that differ most do not draw it, and the operation does not move it.
 #include <optional>
 #include <string>
 #include <vector>
@@ -41,8 +41,12 @@ struct SkullFit {
   double rms_mm = 0;   // of the pairs that count
   std::string reason;  // why there is none
 };
+/// `anywhere`: it may lie in any way, so four ways to begin are tried; else it begins as it lies.
 SkullFit lay_upon(const Surface& skull, const Surface& other, const std::string& in_words, bool with_scale,
-                  Workers& workers);
+                  Workers& workers, bool anywhere = false);
+/// Upon the normal skull: all of `files`, which together may lie in any way, or where there are none the built-in one. A
+/// file that cannot be read is a reason.
+SkullFit lay_upon_normal(const Surface& skull, const std::vector<std::string>& files, Workers& workers);
 /// `rest` and `now` have the same vertices and triangles; `fragment`: of each vertex.
 SkullComparison measure_on(const SkullFit& fit, Surface rest, Surface now, std::vector<int32_t> fragment,
                            Workers& workers);
@@ -64,8 +68,9 @@ Snapshot coloured_skull(const Surface& skull, const DistanceMap& distance, uint6
 /// DIR/skull-mirror.csv and, where pictures can be made, in `gallery`. The moments that were asked for (Superpose) as
 /// `skull_moments` {name, with, mean_mm, rms_mm, p95_mm}, a
 /// table, a map DIR/skull-moment-1.csv and a picture each. A skull of fewer than 2000 vertices is only measured where
-/// it was asked for. Returns what could not be compared, a sentence each.
-std::vector<std::string> report_skull(Result& result, const Head& head, const std::string& dir, const Snapshot& last,
-                                      const Camera& camera, Workers& workers);
+/// it was asked for. `normal_files`: lay_upon_normal. Returns what could not be compared, a sentence each.
+std::vector<std::string> report_skull(Result& result, const Head& head, const std::vector<std::string>& normal_files,
+                                      const std::string& dir, const Snapshot& last, const Camera& camera,
+                                      Workers& workers);
 
 }  // namespace limberg

@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <iterator>
 
+#include "sim/imaging/io/surface_file.h"
+
 namespace limberg {
 
 namespace {
@@ -79,6 +81,22 @@ HeadScene::TissueAt read_tissue(const toml::table& table, const std::string& fil
   }
   t.finish({"bone", "mode"});
   return out;
+}
+
+/// Its surfaces are read when a skull is laid upon them; here they are only looked for.
+void read_normal_skull(Table& t, const toml::table& head, const std::string& file, std::vector<std::string>& out) {
+  constexpr const char* kKey = "normal_skull";
+  if (const toml::node* n = head.get(kKey); n && n->is_string()) {
+    t.path(kKey, out.emplace_back());
+  } else {
+    out = texts(t, head, kKey, "normal_skull = \"skull.obj\" or [\"cranium.stl\", \"mandible.stl\"]");
+    for (std::string& f : out) f = beside(file, f);
+  }
+  for (const std::string& f : out) {
+    std::error_code ec;
+    if (!is_surface_name(f)) t.fail(kKey, f + " is no surface; expected a file .obj, .ply, .stl or .simplex");
+    if (!fs::is_regular_file(f, ec)) t.fail(kKey, f + " cannot be read; expected a surface");
+  }
 }
 
 /// Three rows of a turn and a shift, the turn to rounding of what was written.
@@ -160,10 +178,11 @@ std::optional<HeadScene> read_head(const toml::table& root, const std::string& f
     h.shown = shown == "solid" ? FaceShown::solid : shown == "clear" ? FaceShown::clear : FaceShown::hidden;
   }
   t.vector("offset_mm", h.offset_mm, 1e4);
+  read_normal_skull(t, table, file, h.normal_files);
   h.picture_from_head = read_isometry(t, table, "picture_from_head");
   t.real("carries_skin_mm", h.carries_skin_mm, 0, 1000);
-  t.finish({"source", "bones", "axes", "face", "fixed", "show_face", "picture_from_head", "tissue", "landmarks",
-            "face_landmarks"});
+  t.finish({"source", "bones", "axes", "face", "fixed", "show_face", "picture_from_head", "normal_skull", "tissue",
+            "landmarks", "face_landmarks"});
   if (const toml::node* n = table.get("tissue")) {
     const toml::array* a = n->as_array();
     if (!a || a->size() > kMostTissues)

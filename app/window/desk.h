@@ -38,10 +38,11 @@ struct DeskFacts {
   std::string goal;                      // of the lesson, or the scene's note
   bool head = false, skin = true;        // what the scene holds
   double max_depth_mm = 9;
-  bool own_device = false;  // another than the mouse
-  bool calibrated = false;  // a calibration of it was given
-  std::string word = {};    // said until something is done; may be empty
-  Words w = {};             // the language of the panels
+  bool own_device = false;                     // another than the mouse
+  bool calibrated = false;                     // a calibration of it was given
+  std::vector<std::string> normal_files = {};  // of a head: the skull beside (HeadScene)
+  std::string word = {};                       // said until something is done; may be empty
+  Words w = {};                                // the language of the panels
 };
 
 /// What is chosen, and what is asked for once.

@@ -21,6 +21,7 @@ DeskFacts facts(const Scene& scene, const WindowCall& call) {
   f.recording = call.recording;
   f.goal = call.w(call.lesson ? call.lesson->goal : scene.note);
   f.head = scene.head.has_value(), f.skin = scene.flesh;
+  if (scene.head) f.normal_files = scene.head->normal_files;
   f.max_depth_mm = scene.tools.max_depth_mm;
   f.word = call.w.said(call.word);
   return f;

@@ -35,7 +35,8 @@ Surface bones_of(const Snapshot& s, bool at_rest, std::vector<int32_t>& of) {
 
 }  // namespace
 
-const Snapshot* SkullView::show(SkullBeside with, const Snapshot& first, const Snapshot& now) {
+const Snapshot* SkullView::show(SkullBeside with, const std::vector<std::string>& normal_files, const Snapshot& first,
+                                const Snapshot& now) {
   if (with != with_) other_.reset(), shown_.reset(), measured_.clear(), with_ = with, word_.clear();
   if (with == SkullBeside::off || !now.topology) return nullptr;
   if (work_.valid() && work_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
@@ -56,26 +57,32 @@ const Snapshot* SkullView::show(SkullBeside with, const Snapshot& first, const S
   if (!other_) word_ = english("laying the skull upon the other ...");
   if (!work_.valid() && !failed && now.x_mm != measured_) {
     measured_ = now.x_mm;
-    work_ =
-        std::async(std::launch::async, [with, before = first, s = now, other = other_, version = ++version_]() mutable {
-          InlineWorkers w;
-          std::vector<int32_t> of;
-          if (!other) {
-            const Surface rest = bones_of(before, true, of);
-            std::string reason;
-            const Surface to = with == SkullBeside::normal ? normal_skull(w) : mirror_image(rest, reason, w);
-            SurfaceTarget target(reason.empty() ? to : rest);
-            const IcpResult r = reason.empty() ? icp(rest, target, {}, skull_fit(), w) : IcpResult{};
-            other = std::make_shared<const Other>(Other{std::move(target), r.map, reason.empty() ? r.reason : reason});
-          }
-          Found f;
-          f.with = with, f.other = other;
-          if (!other->reason.empty()) return f;
-          const Surface bones = bones_of(s, false, of);
-          const DistanceMap d = distance_map(bones, other->map, other->target, w);
-          f.shown = coloured_skull(bones, d, version), f.rms_mm = d.rms_mm;
-          return f;
-        });
+    work_ = std::async(std::launch::async, [with, normal_files, before = first, s = now, other = other_,
+                                            version = ++version_]() mutable {
+      InlineWorkers w;
+      std::vector<int32_t> of;
+      if (!other) {
+        const Surface rest = bones_of(before, true, of);
+        if (with == SkullBeside::normal) {
+          SkullFit fit = lay_upon_normal(rest, normal_files, w);
+          if (!fit.target) fit.target.emplace(rest);
+          other = std::make_shared<const Other>(Other{std::move(*fit.target), fit.map, fit.reason});
+        } else {
+          std::string reason;
+          const Surface to = mirror_image(rest, reason, w);
+          SurfaceTarget target(reason.empty() ? to : rest);
+          const IcpResult r = reason.empty() ? icp(rest, target, {}, skull_fit(), w) : IcpResult{};
+          other = std::make_shared<const Other>(Other{std::move(target), r.map, reason.empty() ? r.reason : reason});
+        }
+      }
+      Found f;
+      f.with = with, f.other = other;
+      if (!other->reason.empty()) return f;
+      const Surface bones = bones_of(s, false, of);
+      const DistanceMap d = distance_map(bones, other->map, other->target, w);
+      f.shown = coloured_skull(bones, d, version), f.rms_mm = d.rms_mm;
+      return f;
+    });
   }
   return shown_ ? &*shown_ : nullptr;
 }

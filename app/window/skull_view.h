@@ -18,8 +18,9 @@ namespace limberg {
 class SkullView {
  public:
   /// What is to be shown instead of the snapshot: the bones alone, `moved_mm` their distance; null until there is one.
-  /// `first`: the patient before anything was done.
-  const Snapshot* show(SkullBeside with, const Snapshot& first, const Snapshot& now);
+  /// `first`: the patient before anything was done. `normal_files`: lay_upon_normal.
+  const Snapshot* show(SkullBeside with, const std::vector<std::string>& normal_files, const Snapshot& first,
+                       const Snapshot& now);
   /// What it is at, in a few words; empty: it is done.
   std::string word() const { return word_; }
 

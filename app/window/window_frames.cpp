@@ -483,8 +483,9 @@ struct WindowFrames::Impl {
     if (Tool(tool.tool) == Tool::swab && tool.valid) builder.show_beds(s);
     field = desk.state.field == SkinField::none ? nullptr : &fields.show(desk.state.field, s);
     builder.show_field(field ? field->value : std::vector<float>());
-    const Snapshot* beside = desk.state.head.beside == SkullBeside::off ? skull.show(SkullBeside::off, s, s)
-                                                                        : skull.show(desk.state.head.beside, *first, s);
+    const Snapshot* beside = desk.state.head.beside == SkullBeside::off
+                                 ? skull.show(SkullBeside::off, {}, s, s)
+                                 : skull.show(desk.state.head.beside, set.facts.normal_files, *first, s);
     desk.state.head.skull_word = skull.word();
     skull_shown = beside != nullptr;
     if (!beside) return patient;

@@ -84,6 +84,8 @@ inline constexpr const char* kPatientTexts[] = {
     // Pictures of a skull beside another (app/head/skull_comparison.cpp)
     english("Distance from a normal skull, before the operation"),
     english("Distance from a normal skull, after the operation"),
+    english("Distance from the scene's normal skull, before the operation"),
+    english("Distance from the scene's normal skull, after the operation"),
     english("Before the operation: distance from its own mirror image"),
     english("After the operation: distance from the mirror image of the skull before it"),
     english("no way to lay their cut rings together"),

@@ -1,4 +1,5 @@
 // Calls that a hand can slip in: numbers that are none, options without what they need, outputs upon inputs, Ctrl-C.
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "tests/app/cli.h"
@@ -68,6 +69,58 @@ TEST_F(Cli, SurfacesThatAreNoneAreRefused) {
       expect_refused("fit " + bad + " --start " + start + " --out " + path("o.simplex"), {name, word});
   }
   EXPECT_FALSE(fs::exists(path("o.simplex")));
+}
+
+TEST_F(Cli, AMeanOfSurfacesIsWrittenOrRefusedInWords) {
+  // Uneven bricks, the second higher than the first by 6 mm and moved.
+  const auto brick = [](double high, double right) {
+    std::string out;
+    const double x[] = {0, 60}, y[] = {0, 90}, z[] = {0, high};
+    std::string faces;
+    int n = 0;
+    const auto face = [&](auto at, bool turned) {  // 12 x 12 squares
+      constexpr int kSquares = 12;
+      for (int i = 0; i <= kSquares; ++i)
+        for (int j = 0; j <= kSquares; ++j) {
+          const std::array<double, 3> p = at(i / double(kSquares), j / double(kSquares));
+          out += "v " + std::to_string(p[0] + right) + " " + std::to_string(p[1]) + " " + std::to_string(p[2]) + "\n";
+        }
+      for (int i = 0; i < kSquares; ++i)
+        for (int j = 0; j < kSquares; ++j) {
+          const int a = n + i * (kSquares + 1) + j + 1, b = a + kSquares + 1;
+          const int q[] = {a, b, b + 1, a + 1};
+          faces += "f";
+          for (int k = 0; k < 4; ++k) faces += " " + std::to_string(q[turned ? 3 - k : k]);
+          faces += "\n";
+        }
+      n += (kSquares + 1) * (kSquares + 1);
+    };
+    for (const int side : {0, 1}) {
+      face([&](double s, double t) { return std::array{x[side], 90 * s, high * t}; }, side == 0);
+      face([&](double s, double t) { return std::array{60 * t, y[side], high * s}; }, side == 0);
+      face([&](double s, double t) { return std::array{60 * s, 90 * t, z[side]}; }, side == 0);
+    }
+    return out + faces;
+  };
+  const std::string a = file("a.obj", brick(40, 0)), b = file("b.obj", brick(46, 200)), to = path("mean.ply");
+  const Outcome o = run("superpose " + a + " " + b + " --average " + to + " --out " + path("avg"));
+  EXPECT_EQ(o.status, 0) << o.err;
+  const auto j = nlohmann::json::parse(slurp(path("avg/result.json")));
+  EXPECT_NEAR(j["average"]["spread_max_mm"].get<double>(), 1.5, 0.1);  // 6 mm, half above and half below
+  EXPECT_EQ(j["average"]["surfaces"].size(), 2u);
+  EXPECT_EQ(run("check " + to).status, 0);
+  EXPECT_TRUE(fs::exists(path("avg/spread.csv")));
+  expect_refused("superpose " + a + " " + b + " " + a, {"expected --average FILE"});
+  expect_refused("superpose " + a + " --average " + to, {"two surfaces or more"});
+  expect_refused("superpose " + a + " " + b + " --mirror --average " + to, {"no --mirror"});
+  expect_refused("superpose " + a + " " + b + " --average " + path("mean.txt"), {"mean.txt", ".obj, .ply or .stl"});
+  expect_refused("superpose " + a + " " + b + " " + path("gone.stl") + " --average " + to,
+                 {"gone.stl", "no such file"});
+  const std::string head = "[head]\nsource = \"synthetic\"\nnormal_skull = ";
+  expect_refused("check " + file("gone.toml", head + "[\"a.obj\", \"gone.stl\"]\n"), {"gone.toml:3", "gone.stl"});
+  expect_refused("check " + file("kind.toml", head + "\"s.toml\"\n"), {"kind.toml:3", "is no surface"});
+  expect_refused("check " + file("list.toml", head + "[1]\n"), {"list.toml:3", "expected normal_skull"});
+  EXPECT_EQ(run("check " + file("good.toml", head + "[\"a.obj\"]\n")).status, 0);
 }
 
 TEST_F(Cli, ADeviceThatNeverCameIsNamed) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "sim/base/elementary.h"
 #include "sim/base/error.h"
 
 namespace limberg {
@@ -11,7 +12,8 @@ namespace limberg {
 namespace {
 
 constexpr double kSameWay = 0.5;  // cosine of 60 degrees
-constexpr int kEvenings = 2;      // passes over neighbours
+constexpr double kBeside_mm = 1;  // so far beside it is as good as at it
+constexpr int kEvenings = 3;      // passes over neighbours
 
 std::vector<Vec3> normals_of(const Surface& s) {
   std::vector<Vec3> n(s.x_mm.size(), Vec3::Zero());
@@ -36,8 +38,11 @@ Vote vote_of(const SurfaceTarget& surface, const Similarity& map, const Similari
   const Vec3 way = back.R * n;
   Vote v;
   if (!surface.closest_facing(back(x), way, far_mm / map.scale, p)) return v;
-  v.along_mm = n.dot(map(p.point_mm) - x);
-  v.there = !p.border && way.dot(p.normal) >= kSameWay;
+  const Vec3 to = map(p.point_mm) - x;
+  v.along_mm = n.dot(to);
+  // What lies beside it rather than above or below is where the faces that look this way end.
+  v.there = !p.border && way.dot(p.normal) >= kSameWay &&
+            std::abs(v.along_mm) >= kSameWay * std::max(0., to.norm() - kBeside_mm);
   return v;
 }
 
@@ -66,9 +71,9 @@ void even_out(std::vector<double>& u, std::vector<uint8_t>& known, const std::ve
 /// All as large as their geometric mean: the mean itself is scaled about its middle, and the maps onto it with it.
 void even_sizes(Surface& mean, std::vector<AverageSurface::One>& of) {
   double logs = 0;
-  for (const AverageSurface::One& o : of) logs += std::log(o.map.scale);
+  for (const AverageSurface::One& o : of) logs += elementary::log(o.map.scale);
   Similarity s;
-  s.scale = std::exp(-logs / double(of.size()));
+  s.scale = elementary::exp(-logs / double(of.size()));
   const Vec3 c = limberg::middle_of(mean.x_mm);
   s.t_mm = c - s.scale * c;
   for (Vec3& x : mean.x_mm) x = s(x);

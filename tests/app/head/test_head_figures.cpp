@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -191,7 +192,7 @@ TEST(SkullComparison, MomentsThatWereAskedForAreInTheReport) {
   // It is no part of undo: what goes is the move before it.
   const std::string dir = ::testing::TempDir();
   Result r("test", "potato");
-  EXPECT_TRUE(report_skull(r, head, dir, Snapshot{}, Camera{}, w).empty());
+  EXPECT_TRUE(report_skull(r, head, {}, dir, Snapshot{}, Camera{}, w).empty());
   EXPECT_EQ(r.entries("/skull_moments"), 2);
   EXPECT_EQ(r.entries("/skull"), 0);  // so small a skull is compared only when asked
   EXPECT_EQ(r.entries("/tables"), 1);
@@ -206,6 +207,40 @@ TEST(SkullComparison, MomentsThatWereAskedForAreInTheReport) {
   ASSERT_TRUE(patient.apply(Undo{}).done);
   const int32_t id = head.bones().nearest_fragment({0, 0, 32});
   EXPECT_NEAR(head.bones().fragment(id)->pose.translation().z(), 3, 1e-9);
+}
+
+// A normal skull of one's own, in two files, that lies elsewhere; and one that cannot be read.
+TEST(SkullComparison, TheScenesNormalSkullMayLieAnywhereAndInSeveralFiles) {
+  InlineWorkers w;
+  const simplex::FanTriangles fan = simplex::fan_triangles(potato());
+  const Surface skull{fan.X_mm, fan.tri};
+  const Mat3 turn = Eigen::AngleAxisd(2.8, Vec3(0.1, 0.3, 1).normalized()).toRotationMatrix();
+  const std::string dir = ::testing::TempDir();
+  std::vector<std::string> files;
+  for (const bool upper : {false, true}) {
+    std::ostringstream out;
+    for (const Vec3& x : skull.x_mm) {
+      const Vec3 y = turn * x + Vec3(300, -40, 7);
+      out << "v " << y.x() << ' ' << y.y() << ' ' << y.z() << '\n';
+    }
+    for (const Tri& t : skull.tri)
+      if ((skull.x_mm[size_t(t[0])].z() > 0) == upper)
+        out << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
+    files.push_back(dir + "/half" + (upper ? "1" : "0") + ".obj");
+    std::ofstream(files.back()) << out.str();
+  }
+  const SkullFit fit = lay_upon_normal(skull, files, w);
+  ASSERT_TRUE(fit.target) << fit.reason;
+  EXPECT_EQ(fit.reason, "");
+  EXPECT_EQ(fit.with, "the scene's normal skull");
+  EXPECT_LT((fit.map.R - turn).norm(), 1e-3);
+  EXPECT_LT(distance_map(skull, fit.map, *fit.target, w).max_mm, 0.05);
+  // Half of it is another skull.
+  EXPECT_GT(distance_map(skull, fit.map, SurfaceTarget(load_surface(files[0])), w).max_mm, 5);
+  const std::string bad = dir + "/bad.obj";
+  std::ofstream(bad) << "v 0 0 0\nv 1 0\n";
+  EXPECT_NE(lay_upon_normal(skull, {bad}, w).reason.find("bad.obj:2"), std::string::npos);
+  EXPECT_NE(lay_upon_normal(skull, {dir + "/gone.obj"}, w).reason.find("gone.obj"), std::string::npos);
 }
 
 }  // namespace test_head_figures
