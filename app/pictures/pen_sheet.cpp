@@ -15,7 +15,7 @@ namespace {
 
 constexpr float kLine_mm = 0.32f, kDot_mm = 0.7f, kOverSkin_mm = 0.1f;
 constexpr double kStep_mm = 0.6, kSlack_mm = 0.3, kShort_mm = 2;  // a shorter line is a dot, and no length
-const PropLook kInk{{0.11f, 0.02f, 0.28f}, 0, 0};
+const PropLook kInk{{0.11f, 0.02f, 0.28f}, 0, 0}, kTrail{{0.90f, 0.95f, 1.0f}, 0, 0};
 
 bool near(const std::vector<ChartPoint>& line, const std::vector<ChartPoint>& swab, double reach_mm) {
   const auto any = [&](const std::vector<ChartPoint>& points, const std::vector<ChartPoint>& path) {
@@ -36,9 +36,14 @@ std::vector<ChartPoint> finely(const std::vector<ChartPoint>& path) {
   return fine;
 }
 
-void tube(PropMesh& mesh, const std::vector<Vec3f>& way) {
+void tube(PropMesh& mesh, const std::vector<Vec3f>& way, const PropLook& look = kInk) {
   const std::vector<float> radius(way.size(), kLine_mm);
-  add_tube(mesh, way, radius, kInk, 6);
+  add_tube(mesh, way, radius, look, 6);
+}
+
+/// A stroke of it is a line on what it touches. Scissors are drawn too, but begin at a stitch or an edge.
+bool is_drawn(Tool t) {
+  return t == Tool::scalpel || t == Tool::undermine || t == Tool::excise || t == Tool::saw || sews_along(t);
 }
 
 }  // namespace
@@ -53,14 +58,37 @@ void PenSheet::hear(const Command& command) {
     lines_.push_back(m->path);
 }
 
+void PenSheet::trace(const ToolState& hand, const Vec3f& tip) {
+  const bool draws = hand.valid && hand.pressed && is_drawn(Tool(hand.tool));
+  const bool waits = hand.tool == traced_ && sews_along(Tool(hand.tool)) && trail_.size() == 1;
+  if (draws && !pressed_) {
+    if (!waits) trail_.clear();
+    trail_.emplace_back();
+    traced_ = hand.tool;
+  }
+  if (draws && (trail_.back().empty() || (tip - trail_.back().back()).norm() > float(kStep_mm)))
+    trail_.back().push_back(tip);
+  if (!draws && !waits) trail_.clear();
+  pressed_ = draws;
+}
+
+size_t PenSheet::trail() const {
+  size_t n = 0;
+  for (const std::vector<Vec3f>& way : trail_) n += way.size();
+  return n;
+}
+
 void PenSheet::follow(const ToolState& hand) {
-  if (Tool(hand.tool) != Tool::marker || !hand.valid) return wet_.clear();
   const Vec3f tip(float(hand.tip_mm[0]), float(hand.tip_mm[1]), float(hand.tip_mm[2]));
+  trace(hand, tip);
+  if (Tool(hand.tool) != Tool::marker || !hand.valid) return wet_.clear();
   if (hand.pressed && (wet_.empty() || (tip - wet_.back()).norm() > float(kStep_mm))) wet_.push_back(tip);
 }
 
 void PenSheet::draw(const Snapshot& s, const Words& w) {
   props_.clear(), lengths_.clear();
+  for (const std::vector<Vec3f>& way : trail_)
+    if (way.size() > 1) tube(props_, way, kTrail);
   if (!has_surface(s) || !s.topology->body) return;
   if (wet_.size() > 1) tube(props_, wet_);
   if (lines_.empty()) return;

@@ -47,6 +47,35 @@ bool crosses(const std::vector<ChartPoint>& path, bool closed, const std::vector
   return false;
 }
 
+/// The tool in the hand that does it; nothing: none does.
+struct ToolFor {
+  using May = std::optional<Tool>;
+  May operator()(const Incise&) const { return Tool::scalpel; }
+  May operator()(const Excise&) const { return Tool::excise; }
+  May operator()(const Undermine&) const { return Tool::undermine; }
+  May operator()(const SetHook&) const { return Tool::hook; }
+  May operator()(const MoveHook&) const { return Tool::hook; }
+  May operator()(const ReleaseHook&) const { return Tool::hook_out; }
+  May operator()(const Suture& s) const { return s.depth_mm > 0 ? Tool::suture_buried : Tool::suture; }
+  May operator()(const SutureRow& r) const {
+    return r.running ? Tool::suture_running : r.depth_mm > 0 ? Tool::suture_row_buried : Tool::suture_row;
+  }
+  May operator()(const SutureCorner&) const { return Tool::suture_corner; }
+  May operator()(const SutureBite&) const { return Tool::suture_bites; }
+  May operator()(const TieSuture&) const { return Tool::suture_knot; }
+  May operator()(const CutSuture&) const { return Tool::scissors; }
+  May operator()(const Mark& m) const { return m.wipes ? Tool::swab : Tool::marker; }
+  May operator()(const HeadCommand& h) const {
+    if (const auto* c = std::get_if<CutBone>(&h))
+      return c->contour_mm.empty() ? std::nullopt : May(Tool::saw);  // planes are the panel's
+    return std::holds_alternative<MoveFragment>(h) ? May(Tool::grab) : std::nullopt;
+  }
+  template <class Other>
+  May operator()(const Other&) const {
+    return std::nullopt;
+  }
+};
+
 /// For the middle of a sentence; only English writes its first letter small there.
 std::string lower(std::string s, const Words& w) {
   if (w.language() == "en" && s.size() > 1 && s[0] >= 'A' && s[0] <= 'Z' && !(s[1] >= 'A' && s[1] <= 'Z'))
@@ -93,11 +122,14 @@ void Coach::answer_number(double value) {
   if (says_.question && says_.question->number) answered(judge_number(*says_.question, value, plan_.w));
 }
 
+void Coach::ask_again() { say(plan_.w("A question is open: click on the place that it asks for, and then go on.")); }
+
 /// Of a question without a list of answers 1 counts as the right one.
 void Coach::answered(const Answered& a) {
   answers_[says_.step] = a.right ? says_.question->right : says_.question->right + 1;
   says_.answer = a.words, says_.answer_right = a.right, says_.answer_place.reset();
   active_s_ = t_s_;
+  says_.word.clear();
   tell_state();
 }
 
@@ -121,7 +153,10 @@ void Coach::hear(const Notice& n) {
               plan_.w("Lead the saw once all round the bone, behind as well, and back to where the line began.");
     return say(word);
   }
-  if (const auto* s = std::get_if<Shown>(n.command.get())) shown_ = s->begins;
+  if (const auto* s = std::get_if<Shown>(n.command.get())) {
+    shown_ = s->begins;
+    if (shown_) says_.word.clear();  // what it spoke of is not what is seen now
+  }
   script_.push_back(*n.command);
   if (!is_whole(*n.command)) return;
   standing_ = standing_acts(script_);
@@ -238,11 +273,13 @@ void Coach::tell_state() {
                               : StepSeen::done;
     says_.steps.push_back(std::move(s));
   }
-  says_.limit.clear(), says_.say.clear(), says_.why.clear(), says_.act.clear(), says_.question = nullptr;
+  says_.limit.clear(), says_.say.clear(), says_.why.clear(), says_.act.clear(), says_.tool.reset(),
+      says_.question = nullptr;
   if (mode_ != LessonMode::guided) says_.hint.clear(), says_.answer.clear();
   if (mode_ != LessonMode::guided || says_.step >= plan_.steps.size()) return;
   const LessonStep& w = plan_.steps[says_.step].words;
   says_.say = w.say, says_.why = w.why, says_.act = plan_.acts[progress_.next].words;
+  says_.tool = std::visit(ToolFor{}, plan_.acts[progress_.next].command);
   if (drawn_line(plan_.acts[progress_.next].command))
     for (const SafeLimit& l : plan_.limits)
       if (l.deepest_mm) says_.limit = plan_.w("Never deeper than {:g} mm: {}.", *l.deepest_mm, lower(l.name, plan_.w));

@@ -55,6 +55,7 @@ struct CoachSays {
   size_t step = 0;                           // the present one; their number: all is done
   std::string limit;                         // how deep a blade may go; empty: nothing is cut now, or no limit is known
   std::string say, why, act;                 // of the present step; the act that is next
+  std::optional<Tool> tool;                  // that does it; nothing: a panel does, or nothing is asked for
   std::string hint;                          // since the hand has been still for a while; mostly empty
   const LessonQuestion* question = nullptr;  // not answered yet
   std::string answer;                        // what was right, after it was answered
@@ -87,6 +88,8 @@ class Coach {
   /// Of a question about a place (of the chart, at rest), or a number. Another is asked, or none: nothing happens.
   void answer_place(const ChartPoint& at);
   void answer_number(double value);
+  /// Something else was tried while a place is asked for.
+  void ask_again();
   void set_mode(LessonMode mode);
   /// Keeps this try beside the next; how many acts are to be taken back for it.
   int try_again();
