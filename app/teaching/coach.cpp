@@ -9,9 +9,9 @@
 #include "app/teaching/bite_words.h"
 #include "app/teaching/why_missed.h"
 #include "sim/commands/kinds.h"
+#include "sim/commands/script.h"
 #include "sim/geometry/polyline.h"
 #include "sim/measure/table.h"
-#include "sim/skull/bone/osteotomy.h"
 
 namespace limberg {
 namespace {
@@ -159,14 +159,33 @@ void Coach::hear(const Notice& n) {
   }
   script_.push_back(*n.command);
   if (!is_whole(*n.command)) return;
+  if (n.kind == Notice::done && n.freed >= 0) freed_[to_json_line(*n.command)] = n.freed;
   standing_ = standing_acts(script_);
-  progress_ = progress_of(plan_, standing_);
+  follow_plan();
   if (n.kind == Notice::undone && !shown_) ++undone_, says_.word.clear();
   if (n.kind == Notice::done && !leaves_patient(*n.command) && !standing_.empty()) {
     shown_acts_ += shown_;
-    if (!shown_) judge_newest(std::string_view(n.text.data()).find(bone::kHangsTogether) != std::string_view::npos);
+    if (!shown_) judge_newest(n.freed == 0);
   }
   tell_state();
+}
+
+/// What stands against the plan, and what only the patient knows of it: what came free by a cut of bone.
+void Coach::follow_plan() {
+  constexpr int kPlanned = 1;  // each planned cut of bone frees one piece
+  progress_ = progress_of(plan_, standing_);
+  for (ActProgress& a : progress_.act) {
+    if (a.state != ActProgress::done || a.shown || freed_.empty()) continue;
+    const Command& c = standing_[a.by].command;
+    if (!std::holds_alternative<HeadCommand>(c)) continue;
+    const auto freed = freed_.find(to_json_line(c));
+    if (freed == freed_.end() || freed->second <= kPlanned) continue;
+    a.offs.push_back({Off::pieces, double(freed->second), kPlanned,
+                      plan_.w("{} pieces came free, and one is planned: the saw met more bone than is meant. Give it "
+                              "less reach",
+                              freed->second)});
+    std::stable_sort(a.offs.begin(), a.offs.end(), [](const Off& x, const Off& y) { return x.share() > y.share(); });
+  }
 }
 
 std::string Coach::out_of_order(size_t act) const {
@@ -365,8 +384,7 @@ void Coach::look(const Snapshot& s, const HandSeen& hand) {
   t_s_ = std::max(t_s_, double(s.device_tick) * 1e-3);
   if (plan_.bone && !lines_known_ && has_surface(s)) {
     lines_known_ = true;
-    for (PlannedAct& a : plan_.acts)
-      if (const auto* bone = std::get_if<HeadCommand>(&a.command)) a.on_bone_mm = line_on_bone(*s.topology, *bone);
+    find_lines_on_bone(plan_, *s.topology);
   }
   sutures_ = s.sutures, sewing_ = s.sewn.thread != 0;
   if (hand.tool.pressed || hand.showing || hand.tool.tool != tool_) active_s_ = t_s_;

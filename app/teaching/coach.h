@@ -9,6 +9,7 @@
 //
 // Three modes. Guided: all of that. Free: the goal and why a press was missed. Examination: the same, and nothing is
 // shown by the program; once begun it lasts as long as the session.
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -113,6 +114,7 @@ class Coach {
 
  private:
   void judge_newest(bool hangs_together);  // the bone that it sawed
+  void follow_plan();
   void say(const std::string& word, bool praise = false);
   void tell_state();
   void follow_stroke(const Snapshot& patient, const HandSeen& hand);
@@ -126,6 +128,7 @@ class Coach {
   LessonMode mode_;
   std::vector<Command> script_;
   std::vector<StandingAct> standing_;
+  std::map<std::string, int> freed_;  // by a cut of bone, as a line of a script: how many pieces
   PlanProgress progress_;
   CoachSays says_;
   std::vector<Attempt> earlier_;
