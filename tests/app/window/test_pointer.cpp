@@ -563,5 +563,28 @@ TEST(Ruler, PointsStayInTheTissue) {
   EXPECT_EQ(ruler.read(s).at_mm.size(), 1u);
 }
 
+// A lesson asks for a place: a click on the patient is its answer, and no act of the tool in the hand.
+TEST(InputOrder, AClickThatAnswersIsNoAct) {
+  Mouse m;
+  DeviceFrontEnd front{Calibration{}};
+  front.add(std::make_unique<PointerSource>(m.feed));
+  m.key('2');
+  m.move(800, 450);
+  gestures_of(m, 0, 50, front);
+  m.draw();
+  FrameSeen& f = m.feed.seen.writing();
+  f = {}, f.view = m.view, f.width = 1600, f.height = 900, f.asks = true;
+  m.feed.seen.publish();
+  m.button(true);
+  std::vector<int32_t> got = gestures_of(m, 50, 100, front);
+  const std::vector<WindowEvent> seen = m.draw();
+  m.button(false);
+  const std::vector<int32_t> after = gestures_of(m, 100, 150, front);
+  got.insert(got.end(), after.begin(), after.end());
+  EXPECT_TRUE(got.empty());
+  ASSERT_FALSE(seen.empty());
+  EXPECT_TRUE(seen.back().for_panels);
+}
+
 }  // namespace test_pointer
 }  // namespace limberg
