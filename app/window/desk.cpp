@@ -128,7 +128,8 @@ void Desk::hooks(const Snapshot& s) {
 void Desk::done_list() {
   const Words& w = facts_.w;
   heading(w("DONE"));
-  ImGui::BeginChild("done", {0, -2});
+  constexpr float kLeast = 92;  // four lines are seen, if need be by scrolling the panel
+  ImGui::BeginChild("done", {0, std::max(kLeast, ImGui::GetContentRegionAvail().y - 2)});
   for (const auto& [n, text] : notices_) {
     const char* mark = n.kind == Notice::undone   ? w("taken back")
                        : n.kind == Notice::redone ? w("done again")

@@ -734,7 +734,7 @@ void WindowFrames::frame(const Snapshot& snapshot, const ToolState& tool) {
 void WindowFrames::notice(const Notice& notice) {
   impl_->desk.notice(notice);
   impl_->acts.hear(notice);
-  if (notice.kind == Notice::done && notice.command) impl_->pen.hear(*notice.command);
+  if (notice.kind != Notice::refused && notice.command) impl_->pen.hear(*notice.command);
   if (impl_->coach) impl_->coach->hear(notice);
   impl_->unseen = 2;
 }

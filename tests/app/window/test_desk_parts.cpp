@@ -119,8 +119,14 @@ TEST(PenSheet, TheWayOfAStrokeIsSeenWhileItIsDrawn) {
   led(Tool::suture_row, 0, 0, false);
   const size_t first = led(Tool::suture_row, 0, 20, true);
   EXPECT_EQ(led(Tool::suture_row, 20, 30, false), first);
+  EXPECT_EQ(led(Tool::none, 20, 30, false), first);
   EXPECT_GT(led(Tool::suture_row, 0, 20, true), first);
   EXPECT_EQ(led(Tool::suture_row, 20, 21, false), 0u);
+  // It is given up as soon as something else is done.
+  led(Tool::suture_row, 0, 20, true), led(Tool::suture_row, 20, 21, false);
+  EXPECT_GT(pen.trail(), 0u);
+  pen.hear(Shown{true});
+  EXPECT_EQ(pen.trail(), 0u);
 }
 
 }  // namespace test_desk_parts
