@@ -60,10 +60,12 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
   const ChartPoint here(e.chart_x, e.chart_y);
   const Vec3 rest(e.rest_mm[0], e.rest_mm[1], e.rest_mm[2]), world(e.world_mm[0], e.world_mm[1], e.world_mm[2]);
   const Tool tool = Tool(e.tool);
-  // Anything but a second stroke along the other edge gives a begun row up.
+  // Anything but a second stroke along the other edge gives a begun row up; what the program shows has its own edges.
+  const auto* shown = e.kind == ToolEvent::told && e.command ? std::get_if<Shown>(e.command.get()) : nullptr;
   const bool of_a_row = sews_along(tool) && e.kind <= ToolEvent::stroke_cancel;
   if (have_row_a_ && !of_a_row &&
-      (e.kind == ToolEvent::stroke_begin || e.kind == ToolEvent::undo || e.kind == ToolEvent::redo)) {
+      (e.kind == ToolEvent::stroke_begin || e.kind == ToolEvent::undo || e.kind == ToolEvent::redo ||
+       (shown && shown->begins))) {
     have_row_a_ = false;
     ++dropped_;
   }

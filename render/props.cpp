@@ -262,19 +262,20 @@ void add_needle(PropMesh& mesh, const ToolPose& tool, const Vec3f& shaft, const 
 
 }  // namespace
 
-void add_sewn_thread(PropMesh& mesh, const Vec3f& end_mm, const Vec3f& up, const Vec3f& across, const ToolPose& tool) {
-  const bool held = tool.visible && tool.kind == ToolPose::Kind::needle_holder && tool.bites == 0;
-  std::vector<Vec3f> way{end_mm - 0.3f * up, end_mm + 0.4f * up};
-  if (held) {
+bool holds_needle(const ToolPose& tool) {
+  return tool.visible && tool.kind == ToolPose::Kind::needle_holder && tool.bites == 0;
+}
+
+void add_sewn_thread(PropMesh& mesh, const Vec3f& end_mm, const Vec3f& up, std::span<const Vec3f> lying_mm,
+                     const ToolPose& tool) {
+  std::vector<Vec3f> way{end_mm - 0.3f * up, end_mm + 0.2f * up};
+  if (holds_needle(tool)) {
     const Vec3f s = direction(tool.shaft, Vec3f::UnitZ()), wide = s.cross(any_normal(s));
     const Vec3f eye = tool.tip_mm + kNeedleRadius_mm * (std::sin(0.75f * kPi) * wide + (1 - std::cos(0.75f * kPi)) * s);
     way.push_back(0.5f * (end_mm + eye) + 1.5f * up);  // it hangs loose
     way.push_back(eye);
   } else {
-    const Vec3f aside = direction(across - across.dot(up) * up, any_normal(up)), on = up.cross(aside);
-    // In an arc: at a wound's edge the skin's normal leans, and a thread laid flat by it would dive.
-    for (const Vec3f& p : {Vec3f(2, 0.5f, 2.5f), Vec3f(5, 2, 5), Vec3f(9, 2, 6.5f), Vec3f(13, 4, 6.5f)})
-      way.push_back(end_mm + p.x() * aside + p.y() * on + p.z() * up);
+    way.insert(way.end(), lying_mm.begin(), lying_mm.end());
   }
   smooth_tube(mesh, way, kThread_mm, thread_look());
 }

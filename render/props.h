@@ -47,9 +47,12 @@ void add_hook(PropMesh& mesh, const HookState& hook, const Vec3f& up);
 /// with a screw at each end and one between them and the
 /// middle. `up`: outward unit normals there.
 void add_plate(PropMesh& mesh, const std::array<Vec3f, 3>& on_bone_mm, const std::array<Vec3f, 3>& up);
-/// The thread of a running stitch from its last bite to the needle in the hand; without one its end lies
-/// beside the wound, on the side where the last bite (which went `across`) came out.
-void add_sewn_thread(PropMesh& mesh, const Vec3f& end_mm, const Vec3f& up, const Vec3f& across, const ToolPose& tool);
+/// The needle is in the hand, and not in the tissue.
+bool holds_needle(const ToolPose& tool);
+/// The thread of a running stitch from its last bite to the needle in the hand; without one along `lying_mm`, the way
+/// that its end lies on the skin.
+void add_sewn_thread(PropMesh& mesh, const Vec3f& end_mm, const Vec3f& up, std::span<const Vec3f> lying_mm,
+                     const ToolPose& tool);
 void add_tool(PropMesh& mesh, const ToolPose& tool);
 /// The hand of a glove (hand_shape.h), whole or only the last joints of forefinger and thumb with a line between their
 /// tips, blue while open and orange while closed; dots from the forefinger to the place that it points at, with a ring

@@ -176,7 +176,11 @@ const RenderScene& SceneBuilder::build(const Snapshot& snapshot, const ToolPose&
       }
     }
     const NearestSkin at = nearest_skin(scene, from);
-    add_sewn_thread(scene.props, from, at.found ? at.normal : Vec3f(Vec3f::UnitZ()), across, tool);
+    const Vec3f up = at.found ? at.normal : Vec3f(Vec3f::UnitZ());
+    std::vector<Vec3f> lying;
+    if (!holds_needle(tool))
+      lying = lying_thread(scene, from, across.norm() > 0.1f ? across : Vec3f(up.unitOrthogonal()));
+    add_sewn_thread(scene.props, from, up, lying, tool);
   }
   add_tool(scene.props, tool), add_gloves(scene, tool);
   return scene;

@@ -133,6 +133,26 @@ StitchWay stitch_way(const RenderScene& scene, const Snapshot& snapshot, const S
   return way;
 }
 
+std::vector<Vec3f> lying_thread(const RenderScene& scene, const Vec3f& from, const Vec3f& aside) {
+  constexpr float kLong_mm = 14, kStep_mm = 1, kOver_mm = 0.16f, kOff_mm = 3, kBend = 0.07f;
+  std::vector<Vec3f> way;
+  Vec3f p = from, towards = aside;
+  for (float gone = 0; gone < kLong_mm; gone += kStep_mm) {
+    const NearestSkin here = nearest_skin(scene, p + kStep_mm * towards.normalized());
+    if (!here.found) break;
+    const Vec3f n = here.normal.normalized();
+    Vec3f flat = towards - towards.dot(n) * n;
+    if (!(flat.norm() > 1e-3f)) flat = n.unitOrthogonal();
+    flat.normalize();
+    const Vec3f next = p + kStep_mm * flat, on = next - (next - here.x).dot(n) * n;
+    if ((on - here.x).norm() > kOff_mm) break;
+    p = on;
+    way.push_back(on + kOver_mm * n);
+    towards = flat + kBend * n.cross(flat);
+  }
+  return way;
+}
+
 void add_stitch(RenderScene& scene, const Snapshot& snapshot, const SutureState& s) {
   const StitchWay way = stitch_way(scene, snapshot, s);
   if (!way.path_mm.empty()) add_suture(scene.props, s, way.path_mm, way.up);

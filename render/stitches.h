@@ -22,6 +22,10 @@ struct StitchWay {
 };
 StitchWay stitch_way(const RenderScene& scene, const Snapshot& snapshot, const SutureState& suture);
 
+/// The way of a thread's loose end on the skin, from where it comes out towards `aside` and in a bend, as it falls. It
+/// ends where the skin does.
+std::vector<Vec3f> lying_thread(const RenderScene& scene, const Vec3f& from_mm, const Vec3f& aside);
+
 /// Adds thread, knot and bite marks of a stitch to the scene's props; nothing when it has no place.
 void add_stitch(RenderScene& scene, const Snapshot& snapshot, const SutureState& suture);
 

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "sim/patient/soft_tissue.h"
+#include "sim/skull/head/head.h"
 
 namespace limberg {
 
@@ -55,6 +56,11 @@ void WorldPatient::fill_lattice(LatticeShown& out) const {
   out.version = version, out.edges = lattice_.edges;
   out.node_mm.resize(model.X_mm.size());
   for (size_t n = 0; n < model.X_mm.size(); ++n) out.node_mm[n] = model.X_mm[n].cast<float>() + u[n];
+}
+
+int WorldPatient::pieces_of_bone() const {
+  const Head* head = world_.head();
+  return head ? int(head->bones().fragments().size()) : -1;
 }
 
 Outcome WorldPatient::apply(const Command& c) {

@@ -15,6 +15,7 @@ class WorldPatient final : public Patient {
   bool press(const PressQuestion& q, PressAnswer& a) override { return a = world_.press(q), a.stiffness_N_mm > 0; }
   void fill(Snapshot& s) const override { world_.fill(s); }
   void fill_with_field(Snapshot& s) const override { world_.fill(s, true); }
+  int pieces_of_bone() const override;
   void fill_lattice(LatticeShown& out) const override;
   std::shared_ptr<const SurfaceTopology> topology() const override { return world_.topology(); }
   uint64_t topology_hash() const override { return world_.topology_hash(); }

@@ -64,13 +64,15 @@ std::vector<Finding> findings_of(const ClassMember& m, const ClassWalk& w) {
   for (const StepWalk& s : w.steps) {
     if (s.shown > 0 && s.shown == s.done) continue;
     const bool whole = s.done == s.planned;
-    all.push_back({"not done/" + s.name,
-                   fmt::format(english("Step \"{}\" not done"), s.name),
-                   fmt::format(english("{} of {} acts"), s.done, s.planned),
-                   "acts",
-                   double(s.done),
-                   {},
-                   !whole});
+    all.push_back(
+        {"not done/" + s.name,
+         fmt::format(english("Step \"{}\" not done"), s.name),
+         s.sawn ? fmt::format(english("{} of {} acts; {:.0f} % of a line is sawn"), s.done, s.planned, 100 * *s.sawn)
+                : fmt::format(english("{} of {} acts"), s.done, s.planned),
+         "acts",
+         double(s.done),
+         {},
+         !whole});
     if (s.done > s.shown)
       all.push_back({"off/" + s.name, fmt::format(english("Step \"{}\" otherwise than planned"), s.name), s.off, "",
                      s.share, 1.0, s.share > 1});

@@ -1,5 +1,7 @@
 #include "app/class/walk.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "sim/base/error.h"
@@ -45,6 +47,9 @@ void follow(const LessonPlan& plan, const TimedActs& acts, Maybe total_s, ClassW
     const double took = timed ? std::max(0.0, acts.at_s[i] - from_s) : 0;
     const std::vector<StandingAct> standing = standing_acts(so_far);
     const PlanProgress now = progress_of(plan, standing);
+    // One of several lines along a planned cut of bone that are not all of it yet.
+    const auto part = std::find_if(now.part.begin(), now.part.end(),
+                                   [&](const SawnPart& p) { return p.standing + 1 == standing.size(); });
     const int attempt = standing.empty() || takes_back(c) ? -1 : attempt_at(now, standing.size() - 1);
     if (is_means(c) && attempt < 0) continue;  // what it takes counts for what it helps to do
     if (timed) from_s = std::max(from_s, acts.at_s[i]);
@@ -55,6 +60,9 @@ void follow(const LessonPlan& plan, const TimedActs& acts, Maybe total_s, ClassW
       if (step < step_s.size()) step_s[step] += took;
       w.out_of_order += !shown && !is_means(c) && first_open_step(plan, now) < step &&
                         before.act[size_t(attempt)].state != ActProgress::done;
+    } else if (part != now.part.end()) {
+      const size_t step = plan.acts[part->act].step;
+      if (step < step_s.size()) step_s[step] += took;
     } else {
       elsewhere += took;
     }
@@ -110,6 +118,12 @@ ClassWalk walk_of(const LessonPlan& plan, const ClassMember& m) {
       if (is_means(plan.acts[k].command)) continue;
       if (a.state != ActProgress::done || a.shown || a.offs.empty() || a.offs.front().share() <= s.share) continue;
       s.share = a.offs.front().share(), s.off = gentle_word(a.offs);
+    }
+    for (const SawnPart& part : p.part) {  // the last of a cut's lines says how much of it they are together
+      if (part.act < t.first || part.act >= t.first + t.acts) continue;
+      const double left = 1 - part.share;
+      s.sawn = part.share, s.share = std::max(1 + left, part.offs.empty() ? 0 : part.offs.front().share());
+      s.off = fmt::format(english("only {:.0f} % of the line is sawn"), 100 * part.share);
     }
     w.steps.push_back(std::move(s));
   }

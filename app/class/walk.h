@@ -22,6 +22,7 @@ struct StepWalk {
   int shown = 0;              // of those done: by the program
   double share = 0;           // the worst of what is off but hooks, of what may be; more than 1: off
   std::string off;            // in words; empty: as planned
+  Maybe sawn;                 // of a cut of bone by several lines that are not all of it: their share
 };
 
 struct ClassWalk {
@@ -39,6 +40,7 @@ struct TimedActs {
 };
 TimedActs acts_of(const ClassMember& member);
 
+/// Of a plan with bone: find_lines_on_bone (saw_watch.h) first, else lines by hand are judged by the planes alone.
 ClassWalk walk_of(const LessonPlan& plan, const ClassMember& member);
 
 }  // namespace limberg

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "app/assembly/cases.h"
+#include "app/assembly/patient_of_scene.h"
 #include "app/class/class_page.h"
 #include "app/class/gather.h"
 #include "app/commands/class_measure.h"
@@ -23,9 +24,12 @@
 #include "app/result/output.h"
 #include "app/result/progress.h"
 #include "app/result/schema.h"
+#include "app/session/workers_pool.h"
+#include "app/teaching/saw_watch.h"
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/commands/script.h"
+#include "sim/patient/world.h"
 
 namespace limberg {
 namespace {
@@ -171,6 +175,17 @@ std::string of_another(const FoundSession& s, const Against& a, const std::strin
   const std::string wanted = a.lesson ? fs::path(a.lesson->scene).stem().string() : commonest;
   if (fs::path(s.scene).stem().string() == wanted || (a.lesson && s.scene == a.lesson->scene)) return "";
   return "is of the scene " + s.scene + ", the class of " + wanted;
+}
+
+/// Where the plan's cuts of bone run, on the head as it was before: lines that were sawn by hand are held against that.
+void know_bone(LessonPlan& plan, const std::string& scene_name, int workers) {
+  if (!plan.bone || scene_name.empty()) return;
+  Scene scene = open_scene(scene_name);
+  if (scene.head) scene.head->face = false, scene.head->tissues.clear(), scene.head->face_landmarks.clear();
+  WorkersPool pool(workers);
+  Snapshot before;
+  make_world(scene, pool)->fill(before);
+  if (before.topology) find_lines_on_bone(plan, *before.topology);
 }
 
 ClassRow row_of(ClassMember member, const LessonPlan& plan, bool expert) {
@@ -334,12 +349,17 @@ int run_class(const ClassOptions& o) {
   page.reproduce = this_call();
   page.w = o.common.words();
   page.plan = make_lesson_plan(page.lesson, against.script);
+  const std::string scene = against.lesson ? against.lesson->scene : commonest;
+  know_bone(page.plan, scene, o.common.worker_count());
   Measuring measuring(o, against, students.size() + (expert ? 1 : 0));
   size_t number = 0, measured_ones = 0;
   if (expert) {
     std::optional<ClassMember> m = measuring.one(*expert, number++);
     if (m) {
-      if (page.plan.acts.empty()) page.plan = make_lesson_plan(page.lesson, acts_of(*m).command);
+      if (page.plan.acts.empty()) {
+        page.plan = make_lesson_plan(page.lesson, acts_of(*m).command);
+        know_bone(page.plan, scene, o.common.worker_count());
+      }
       m->name = "expert";
       page.rows.push_back(row_of(std::move(*m), page.plan, true));
     }

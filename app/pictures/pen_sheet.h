@@ -16,7 +16,9 @@ class PenSheet {
  public:
   /// An act of the pen or of the swab; every other is passed over.
   void hear(const Command& command);
-  /// The pen is here: what it draws is seen at once, and is a line when the act is heard of.
+  /// The pen is here: what it draws is seen at once, and is a line when the act is heard of. Of every other tool that
+  /// is drawn along a line the way is seen as long as it is pressed; of a row of stitches that along the first edge
+  /// until the second was drawn too.
   void follow(const ToolState& hand);
 
   struct Length {
@@ -28,10 +30,16 @@ class PenSheet {
   const PropMesh& props() const { return props_; }
   const std::vector<Length>& lengths() const { return lengths_; }
   size_t lines() const { return lines_.size(); }
+  /// How many places of the present stroke's way are drawn.
+  size_t trail() const;
 
  private:
+  void trace(const ToolState& hand, const Vec3f& tip);
   std::vector<std::vector<ChartPoint>> lines_;
-  std::vector<Vec3f> wet_;  // of the line that is being drawn
+  std::vector<Vec3f> wet_;                 // of the line that is being drawn
+  std::vector<std::vector<Vec3f>> trail_;  // of another tool's present stroke, and of a row's first
+  int32_t traced_ = 0;                     // which tool
+  bool pressed_ = false;
   SkinChart chart_;
   PropMesh props_;
   std::vector<Length> lengths_;

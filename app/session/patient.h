@@ -23,6 +23,8 @@ class Patient {
   virtual void fill_with_field(Snapshot& snapshot) const { fill(snapshot); }
   /// How stiff it is against a tool that presses (sim/patient/press.h). Asking changes nothing. False: it cannot tell.
   virtual bool press(const PressQuestion&, PressAnswer&) { return false; }
+  /// How many pieces of bone there are; -1: it has no bone.
+  virtual int pieces_of_bone() const { return -1; }
   /// The lattice, where the patient has one.
   virtual void fill_lattice(LatticeShown& out) const { out = {}; }
   virtual std::shared_ptr<const SurfaceTopology> topology() const = 0;

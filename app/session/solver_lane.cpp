@@ -233,6 +233,9 @@ std::string SolverLane::moved_away(const ToolEvent& e) {
 }
 
 bool SolverLane::apply(const Command& c, int64_t tick) {
+  const auto* bone = std::get_if<HeadCommand>(&c);
+  const bool saws = bone && (std::holds_alternative<CutBone>(*bone) || std::holds_alternative<CutBoneByBlade>(*bone));
+  const int pieces = saws ? patient_.pieces_of_bone() : -1;
   const Outcome o = patient_.apply(c);
   if (!o.done) return refuse(c, o.reason, tick), false;
   ++commands_;
@@ -250,14 +253,15 @@ bool SolverLane::apply(const Command& c, int64_t tick) {
   notify(undo   ? Notice::undone
          : redo ? Notice::redone
                 : Notice::done,
-         c, undo || redo ? "" : in_words(c) + (o.reason.empty() ? "" : ": " + o.reason), tick);
+         c, undo || redo ? "" : in_words(c) + (o.reason.empty() ? "" : ": " + o.reason), tick,
+         pieces < 0 ? -1 : patient_.pieces_of_bone() - pieces);
   if (on_command_) on_command_(c);
   return true;
 }
 
-void SolverLane::notify(int32_t kind, const Command& c, const std::string& text, int64_t tick) {
+void SolverLane::notify(int32_t kind, const Command& c, const std::string& text, int64_t tick, int32_t freed) {
   Notice n;
-  n.kind = kind;
+  n.kind = kind, n.freed = freed;
   n.t_s = seconds(tick);
   Notice::put(n.action, action_name(c));
   Notice::put(n.text, text);

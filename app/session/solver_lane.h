@@ -82,7 +82,7 @@ class SolverLane {
   void refuse(const Command& c, const std::string& reason, int64_t tick);
   std::string moved_away(const ToolEvent& e);  // why an act there is refused; empty: the skin is where it was shown
   void notify_dropped(const ToolEvent& e, int64_t tick);
-  void notify(int32_t kind, const Command& c, const std::string& text, int64_t tick);
+  void notify(int32_t kind, const Command& c, const std::string& text, int64_t tick, int32_t freed = -1);
   void follow_hand();
   void answer_press();
   void make_indices();

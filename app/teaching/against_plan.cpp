@@ -277,8 +277,8 @@ std::optional<DrawnLine> drawn_line(const Command& c) {
 
 std::string gentle_word(const Offs& offs) {
   // Causes before what follows from them: a wrong angle takes every later corner along.
-  static constexpr Off::Kind kCauses[] = {Off::length, Off::angle, Off::depth, Off::blade,  Off::spacing,
-                                          Off::area,   Off::way,   Off::place, Off::corner, Off::line};
+  static constexpr Off::Kind kCauses[] = {Off::pieces, Off::length, Off::angle, Off::depth,  Off::blade, Off::spacing,
+                                          Off::area,   Off::way,    Off::place, Off::corner, Off::line};
   std::string s;
   int said = 0;
   bool explained = false;  // that the line lies elsewhere

@@ -11,7 +11,7 @@ namespace limberg {
 
 /// One thing that is looked at: its value, what was planned, how much may be off.
 struct Off {
-  enum Kind : uint8_t { length, line, corner, angle, depth, blade, area, place, way, spacing };
+  enum Kind : uint8_t { length, line, corner, angle, depth, blade, area, place, way, spacing, pieces };
   Kind kind = length;
   double value = 0;   // how far off
   double limit = 1;   // how far it may be off

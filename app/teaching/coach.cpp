@@ -9,9 +9,9 @@
 #include "app/teaching/bite_words.h"
 #include "app/teaching/why_missed.h"
 #include "sim/commands/kinds.h"
+#include "sim/commands/script.h"
 #include "sim/geometry/polyline.h"
 #include "sim/measure/table.h"
-#include "sim/skull/bone/osteotomy.h"
 
 namespace limberg {
 namespace {
@@ -46,6 +46,35 @@ bool crosses(const std::vector<ChartPoint>& path, bool closed, const std::vector
     }
   return false;
 }
+
+/// The tool in the hand that does it; nothing: none does.
+struct ToolFor {
+  using May = std::optional<Tool>;
+  May operator()(const Incise&) const { return Tool::scalpel; }
+  May operator()(const Excise&) const { return Tool::excise; }
+  May operator()(const Undermine&) const { return Tool::undermine; }
+  May operator()(const SetHook&) const { return Tool::hook; }
+  May operator()(const MoveHook&) const { return Tool::hook; }
+  May operator()(const ReleaseHook&) const { return Tool::hook_out; }
+  May operator()(const Suture& s) const { return s.depth_mm > 0 ? Tool::suture_buried : Tool::suture; }
+  May operator()(const SutureRow& r) const {
+    return r.running ? Tool::suture_running : r.depth_mm > 0 ? Tool::suture_row_buried : Tool::suture_row;
+  }
+  May operator()(const SutureCorner&) const { return Tool::suture_corner; }
+  May operator()(const SutureBite&) const { return Tool::suture_bites; }
+  May operator()(const TieSuture&) const { return Tool::suture_knot; }
+  May operator()(const CutSuture&) const { return Tool::scissors; }
+  May operator()(const Mark& m) const { return m.wipes ? Tool::swab : Tool::marker; }
+  May operator()(const HeadCommand& h) const {
+    if (const auto* c = std::get_if<CutBone>(&h))
+      return c->contour_mm.empty() ? std::nullopt : May(Tool::saw);  // planes are the panel's
+    return std::holds_alternative<MoveFragment>(h) ? May(Tool::grab) : std::nullopt;
+  }
+  template <class Other>
+  May operator()(const Other&) const {
+    return std::nullopt;
+  }
+};
 
 /// For the middle of a sentence; only English writes its first letter small there.
 std::string lower(std::string s, const Words& w) {
@@ -93,11 +122,14 @@ void Coach::answer_number(double value) {
   if (says_.question && says_.question->number) answered(judge_number(*says_.question, value, plan_.w));
 }
 
+void Coach::ask_again() { say(plan_.w("A question is open: click on the place that it asks for, and then go on.")); }
+
 /// Of a question without a list of answers 1 counts as the right one.
 void Coach::answered(const Answered& a) {
   answers_[says_.step] = a.right ? says_.question->right : says_.question->right + 1;
   says_.answer = a.words, says_.answer_right = a.right, says_.answer_place.reset();
   active_s_ = t_s_;
+  says_.word.clear();
   tell_state();
 }
 
@@ -121,17 +153,39 @@ void Coach::hear(const Notice& n) {
               plan_.w("Lead the saw once all round the bone, behind as well, and back to where the line began.");
     return say(word);
   }
-  if (const auto* s = std::get_if<Shown>(n.command.get())) shown_ = s->begins;
+  if (const auto* s = std::get_if<Shown>(n.command.get())) {
+    shown_ = s->begins;
+    if (shown_) says_.word.clear();  // what it spoke of is not what is seen now
+  }
   script_.push_back(*n.command);
   if (!is_whole(*n.command)) return;
+  if (n.kind == Notice::done && n.freed >= 0) freed_[to_json_line(*n.command)] = n.freed;
   standing_ = standing_acts(script_);
-  progress_ = progress_of(plan_, standing_);
+  follow_plan();
   if (n.kind == Notice::undone && !shown_) ++undone_, says_.word.clear();
   if (n.kind == Notice::done && !leaves_patient(*n.command) && !standing_.empty()) {
     shown_acts_ += shown_;
-    if (!shown_) judge_newest(std::string_view(n.text.data()).find(bone::kHangsTogether) != std::string_view::npos);
+    if (!shown_) judge_newest(n.freed == 0);
   }
   tell_state();
+}
+
+/// What stands against the plan, and what only the patient knows of it: what came free by a cut of bone.
+void Coach::follow_plan() {
+  constexpr int kPlanned = 1;  // each planned cut of bone frees one piece
+  progress_ = progress_of(plan_, standing_);
+  for (ActProgress& a : progress_.act) {
+    if (a.state != ActProgress::done || a.shown || freed_.empty()) continue;
+    const Command& c = standing_[a.by].command;
+    if (!std::holds_alternative<HeadCommand>(c)) continue;
+    const auto freed = freed_.find(to_json_line(c));
+    if (freed == freed_.end() || freed->second <= kPlanned) continue;
+    a.offs.push_back({Off::pieces, double(freed->second), kPlanned,
+                      plan_.w("{} pieces came free, and one is planned: the saw met more bone than is meant. Give it "
+                              "less reach",
+                              freed->second)});
+    std::stable_sort(a.offs.begin(), a.offs.end(), [](const Off& x, const Off& y) { return x.share() > y.share(); });
+  }
 }
 
 std::string Coach::out_of_order(size_t act) const {
@@ -238,11 +292,13 @@ void Coach::tell_state() {
                               : StepSeen::done;
     says_.steps.push_back(std::move(s));
   }
-  says_.limit.clear(), says_.say.clear(), says_.why.clear(), says_.act.clear(), says_.question = nullptr;
+  says_.limit.clear(), says_.say.clear(), says_.why.clear(), says_.act.clear(), says_.tool.reset(),
+      says_.question = nullptr;
   if (mode_ != LessonMode::guided) says_.hint.clear(), says_.answer.clear();
   if (mode_ != LessonMode::guided || says_.step >= plan_.steps.size()) return;
   const LessonStep& w = plan_.steps[says_.step].words;
   says_.say = w.say, says_.why = w.why, says_.act = plan_.acts[progress_.next].words;
+  says_.tool = std::visit(ToolFor{}, plan_.acts[progress_.next].command);
   if (drawn_line(plan_.acts[progress_.next].command))
     for (const SafeLimit& l : plan_.limits)
       if (l.deepest_mm) says_.limit = plan_.w("Never deeper than {:g} mm: {}.", *l.deepest_mm, lower(l.name, plan_.w));
@@ -328,8 +384,7 @@ void Coach::look(const Snapshot& s, const HandSeen& hand) {
   t_s_ = std::max(t_s_, double(s.device_tick) * 1e-3);
   if (plan_.bone && !lines_known_ && has_surface(s)) {
     lines_known_ = true;
-    for (PlannedAct& a : plan_.acts)
-      if (const auto* bone = std::get_if<HeadCommand>(&a.command)) a.on_bone_mm = line_on_bone(*s.topology, *bone);
+    find_lines_on_bone(plan_, *s.topology);
   }
   sutures_ = s.sutures, sewing_ = s.sewn.thread != 0;
   if (hand.tool.pressed || hand.showing || hand.tool.tool != tool_) active_s_ = t_s_;

@@ -9,6 +9,7 @@
 //
 // Three modes. Guided: all of that. Free: the goal and why a press was missed. Examination: the same, and nothing is
 // shown by the program; once begun it lasts as long as the session.
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -55,6 +56,7 @@ struct CoachSays {
   size_t step = 0;                           // the present one; their number: all is done
   std::string limit;                         // how deep a blade may go; empty: nothing is cut now, or no limit is known
   std::string say, why, act;                 // of the present step; the act that is next
+  std::optional<Tool> tool;                  // that does it; nothing: a panel does, or nothing is asked for
   std::string hint;                          // since the hand has been still for a while; mostly empty
   const LessonQuestion* question = nullptr;  // not answered yet
   std::string answer;                        // what was right, after it was answered
@@ -87,6 +89,8 @@ class Coach {
   /// Of a question about a place (of the chart, at rest), or a number. Another is asked, or none: nothing happens.
   void answer_place(const ChartPoint& at);
   void answer_number(double value);
+  /// Something else was tried while a place is asked for.
+  void ask_again();
   void set_mode(LessonMode mode);
   /// Keeps this try beside the next; how many acts are to be taken back for it.
   int try_again();
@@ -110,6 +114,7 @@ class Coach {
 
  private:
   void judge_newest(bool hangs_together);  // the bone that it sawed
+  void follow_plan();
   void say(const std::string& word, bool praise = false);
   void tell_state();
   void follow_stroke(const Snapshot& patient, const HandSeen& hand);
@@ -123,6 +128,7 @@ class Coach {
   LessonMode mode_;
   std::vector<Command> script_;
   std::vector<StandingAct> standing_;
+  std::map<std::string, int> freed_;  // by a cut of bone, as a line of a script: how many pieces
   PlanProgress progress_;
   CoachSays says_;
   std::vector<Attempt> earlier_;

@@ -76,6 +76,9 @@ struct ActWords {
     return w("Stitch {} to {}", beside(letters, s.a, w), beside(letters, s.b, w));
   }
   std::string operator()(const SutureRow& r) const {
+    const std::string a = beside(letters, r.a.front(), w), b = beside(letters, r.b.front(), w);
+    if (a == beside(letters, r.a.back(), w) && b == beside(letters, r.b.back(), w))
+      return w("Row of stitches every {:.3g} mm: one edge along {}, the other along {}", r.spacing_mm, a, b);
     return w("Row of stitches every {:.3g} mm: one edge from {} to {}, the other from {} to {}", r.spacing_mm,
              beside(letters, r.a.front(), w), beside(letters, r.a.back(), w), beside(letters, r.b.front(), w),
              beside(letters, r.b.back(), w));

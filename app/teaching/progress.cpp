@@ -172,15 +172,19 @@ PlanProgress progress_of(const LessonPlan& plan, const std::vector<StandingAct>&
     int best = -1;
     Offs best_offs;
     for (size_t i = 0; i < plan.acts.size(); ++i) {
-      if (p.act[i].state != ActProgress::open) continue;
+      // Who cuts again, and well, without taking back what was off has done it now; the first cut is of no plan.
+      const ActProgress& before = p.act[i];
+      const bool mends = before.state == ActProgress::done && !before.shown && !within(before.offs);
+      if (before.state != ActProgress::open && !mends) continue;
       if (sawn_by_hand(standing[s].command) && !plan.acts[i].on_bone_mm.empty()) continue;
       auto offs = against(plan, plan.acts[i], standing[s].command);
       // Fragments are grabbed, carried, let go: the way counts.
-      if (!offs || (best >= 0 && worst(*offs) >= worst(best_offs))) continue;
+      if (!offs || (mends && !within(*offs)) || (best >= 0 && worst(*offs) >= worst(best_offs))) continue;
       best = int(i), best_offs = std::move(*offs);
     }
     if (best < 0) continue;
     ActProgress& a = p.act[size_t(best)];
+    if (a.state == ActProgress::done) used[a.by] = 0;
     a.state = ActProgress::done, a.by = s, a.shown = standing[s].shown, a.offs = std::move(best_offs);
     used[s] = 1;
   }

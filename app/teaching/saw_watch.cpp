@@ -77,6 +77,11 @@ std::vector<Vec3> line_on_bone(const SurfaceTopology& s, const HeadCommand& cut)
   return line;
 }
 
+void find_lines_on_bone(LessonPlan& plan, const SurfaceTopology& s) {
+  for (PlannedAct& a : plan.acts)
+    if (const auto* bone = std::get_if<HeadCommand>(&a.command)) a.on_bone_mm = line_on_bone(s, *bone);
+}
+
 std::optional<Vec3> beside_line(const PlannedAct& planned, const Vec3& p) {
   const auto* cut = std::get_if<HeadCommand>(&planned.command);
   if (!cut) return std::nullopt;

@@ -25,6 +25,8 @@ std::optional<Vec3> plane_near(const HeadCommand& planned, const Vec3& place_mm)
 int32_t bone_meant(const SurfaceTopology& surface, const HeadCommand& cut);
 /// Where a cut runs on that bone: places one mm apart, of all its lines.
 std::vector<Vec3> line_on_bone(const SurfaceTopology& surface, const HeadCommand& cut);
+/// Of all planned cuts of bone, once the patient that they are for is seen.
+void find_lines_on_bone(LessonPlan& plan, const SurfaceTopology& surface);
 /// From the planned cut, where it runs on bone if that is known, to a place.
 std::optional<Vec3> beside_line(const PlannedAct& planned, const Vec3& place_mm);
 

@@ -21,7 +21,7 @@ void Desk::panel(const char* name, const FrameRect& r) {
   ImGui::SetNextWindowPos({r.x0, r.y0});
   ImGui::SetNextWindowSize({wide(r), high(r)});
   ImGui::SetNextWindowBgAlpha(1);
-  ImGui::Begin(name, nullptr, kPanel);
+  ImGui::Begin(name, nullptr, kGround);
   covered_.push_back(r);
 }
 
@@ -44,6 +44,7 @@ void Desk::notice(const Notice& n) {
   if (shown_ && n.kind == Notice::done) text = w("shown: {}", text);
   if (n.kind == Notice::refused) text = w("{} refused: {}", w(n.action.data()), text);
   notices_.push_back({n, text});
+  ++heard_;
   if (notices_.size() > kNotices) notices_.pop_front();
   last_word_ = n.kind == Notice::refused || n.kind == Notice::dropped ? text : "";
   if (n.kind == Notice::done && n.command && std::holds_alternative<LetThreadGo>(*n.command))
@@ -127,7 +128,8 @@ void Desk::hooks(const Snapshot& s) {
 void Desk::done_list() {
   const Words& w = facts_.w;
   heading(w("DONE"));
-  ImGui::BeginChild("done", {0, -2});
+  constexpr float kLeast = 92;  // four lines are seen, if need be by scrolling the panel
+  ImGui::BeginChild("done", {0, std::max(kLeast, ImGui::GetContentRegionAvail().y - 2)});
   for (const auto& [n, text] : notices_) {
     const char* mark = n.kind == Notice::undone   ? w("taken back")
                        : n.kind == Notice::redone ? w("done again")
@@ -137,7 +139,9 @@ void Desk::done_list() {
                                        : ImGui::GetStyleColorVec4(ImGuiCol_Text),
            58, w("{:.1f} s", n.t_s).c_str(), mark);
   }
-  if (ImGui::GetScrollY() >= ImGui::GetScrollMaxY() - 4) ImGui::SetScrollHereY(1);
+  // The newest is seen, however high the list is by now; who scrolls back is left there until something is done.
+  if (listed_ != heard_ || ImGui::GetScrollMaxY() != scroll_most_) ImGui::SetScrollHereY(1);
+  listed_ = heard_, scroll_most_ = ImGui::GetScrollMaxY();
   ImGui::EndChild();
 }
 
@@ -197,7 +201,7 @@ void Desk::draw(const DeskReading& r, const std::vector<Vec3f>& ruler_px, int wi
   state.tour.draw(at, covered_, facts_.w);
   popup_ = ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup);
   compared(r, at.stage);
-  marks(r);
+  marks(r, at.stage);
   ruler(r, ruler_px);
   if (r.pointed) {  // a cross where keys have led the tool
     ImDrawList& d = *ImGui::GetBackgroundDrawList();

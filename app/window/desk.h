@@ -139,7 +139,7 @@ class Desk {
   void words(const DeskReading& r, const FrameRect& stage);
   void legend(const DeskReading& r, const FrameRect& stage);
   void compared(const DeskReading& r, const FrameRect& stage);
-  void marks(const DeskReading& r);
+  void marks(const DeskReading& r, const FrameRect& stage);
   void ruler(const DeskReading& r, const std::vector<Vec3f>& ruler_px);
   void set_by_key(int steps);
   void help(int width, int height);
@@ -156,6 +156,8 @@ class Desk {
     std::string text;  // in the language of the panels
   };
   std::deque<Heard> notices_;
+  uint64_t heard_ = 0, listed_ = 0;         // how many notices came; how many of them the list has shown
+  float scroll_most_ = 0;                   // of the list
   bool shown_ = false;                      // what is heard of is shown by the program
   float stage_top_ = 0, stage_bottom_ = 0;  // what the words over the patient leave of it
   DeskHistory history_;

@@ -16,7 +16,7 @@ std::optional<size_t> DeskHistory::draw(const ActHistory& acts, const FrameRect&
   ImGui::SetNextWindowPos({at.x0, at.y0});
   ImGui::SetNextWindowSize({wide(at), high(at)});
   ImGui::SetNextWindowBgAlpha(1);
-  ImGui::Begin("history", nullptr, kPanel);
+  ImGui::Begin("history", nullptr, kGround);
   covered.push_back(at);
   std::optional<size_t> wanted;
   const std::vector<ActHistory::Entry>& all = acts.entries();

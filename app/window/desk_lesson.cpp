@@ -79,7 +79,7 @@ float DeskLesson::next_step(const Coach& c, float x, float y, float width, float
   ImGui::SetNextWindowPos({x + 6, y + 6});
   ImGui::SetNextWindowSizeConstraints({width - 12, 0}, {width - 12, most});
   ImGui::SetNextWindowBgAlpha(0.82f);
-  ImGui::Begin("next step", nullptr, kPanel | ImGuiWindowFlags_AlwaysAutoResize);
+  ImGui::Begin("next step", nullptr, kGround | ImGuiWindowFlags_AlwaysAutoResize);
   ImGui::PushTextWrapPos(width - 26);
   if (says.finished) {
     text(ink::good(), w("All steps are done. J shows how it went."));
@@ -88,6 +88,11 @@ float DeskLesson::next_step(const Coach& c, float x, float y, float width, float
     text(ink::quiet(), w("Step {} of {}", says.step + 1, c.plan().steps.size()));
     ImGui::SameLine();
     text(ink::plain(), t.name);
+    if (says.tool) {
+      const DeskTool& tool = *desk_tool(*says.tool);
+      ImGui::SameLine(0, 24);
+      text(ink::hint(), w("Tool: {}  {}", w(tool.name), key_words(tool, w)));
+    }
     if (says.question) {
       text(w("Before you go on:"));
       ImGui::SameLine();
@@ -160,7 +165,9 @@ void DeskLesson::summary(const Coach& c, int width, int height, bool& open, std:
   const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
   covered.push_back({at.x, at.y, at.x + size.x, at.y + size.y});
   const Attempt& now = tries.back();
-  const float table_height = std::min(26 + 21 * float(now.rows.size()) * 1.25f, float(height) - 230);
+  // As high as its rows were in the last frame: how their words wrap is known then.
+  const float rows = rows_high_ > 0 ? rows_high_ : 26 + 21 * float(now.rows.size());
+  const float table_height = std::min(rows, float(height) - 230);
   if (ImGui::BeginTable("tries", 1 + int(tries.size() - first),
                         ImGuiTableFlags_RowBg | ImGuiTableFlags_ScrollY | ImGuiTableFlags_BordersInnerV,
                         {0, std::max(table_height, 80.0f)})) {
@@ -190,6 +197,8 @@ void DeskLesson::summary(const Coach& c, int width, int height, bool& open, std:
         ImGui::PopStyleColor();
       }
     }
+    ImGui::TableNextRow();
+    rows_high_ = ImGui::GetCursorPosY();
     ImGui::EndTable();
   }
   ImGui::Spacing();

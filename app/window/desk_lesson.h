@@ -31,6 +31,7 @@ struct DeskLesson {
   /// What is asked, by a place or a number (desk_question.cpp).
   void asked(const LessonQuestion& question, const Words& words);
   float number_typed_ = 0;
+  float rows_high_ = 0;  // of the summary
 };
 
 }  // namespace limberg

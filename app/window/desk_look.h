@@ -31,6 +31,9 @@ inline constexpr ImGuiWindowFlags kPanel = ImGuiWindowFlags_NoMove | ImGuiWindow
                                            ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings |
                                            ImGuiWindowFlags_NoTitleBar;
 
+/// Of those that stand round the patient: what lies over them stays there when they are clicked.
+inline constexpr ImGuiWindowFlags kGround = kPanel | ImGuiWindowFlags_NoBringToFrontOnFocus;
+
 /// What a thing does, while the mouse rests on it.
 inline void tip(const std::string& words) {
   if (!ImGui::IsItemHovered()) return;

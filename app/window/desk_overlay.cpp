@@ -77,17 +77,35 @@ void Desk::compared(const DeskReading& r, const FrameRect& stage) {
   }
 }
 
-void Desk::marks(const DeskReading& r) {
+void Desk::marks(const DeskReading& r, const FrameRect& stage) {
+  ImDrawList& d = *ImGui::GetBackgroundDrawList();
+  d.PushClipRect({stage.x0, std::min(stage_top_, stage.y1)}, {stage.x1, stage.y1});  // none shines through words
+  std::vector<FrameRect> taken;                                                      // by letters
+  const auto is_free = [&](const FrameRect& a) {
+    return std::none_of(taken.begin(), taken.end(),
+                        [&](const FrameRect& b) { return a.x0 < b.x1 && b.x0 < a.x1 && a.y0 < b.y1 && b.y0 < a.y1; });
+  };
   for (const DeskMark& m : r.marks) {
-    ImDrawList& d = *ImGui::GetBackgroundDrawList();
     if (m.kind != DeskMark::Kind::landmark) {  // a letter beside its corner, the name of a limit
       if (m.hidden) continue;
       const ImVec2 size = ImGui::CalcTextSize(m.name.c_str());
       const ImU32 paper = m.kind == DeskMark::Kind::limit    ? IM_COL32(120, 12, 12, 225)
                           : m.kind == DeskMark::Kind::length ? IM_COL32(18, 26, 30, 225)
                                                              : IM_COL32(62, 24, 98, 225);
-      const float x = m.x + 7, y = m.y - 20;
-      d.AddRectFilled({x - 4, y - 1}, {x + size.x + 4, y + size.y + 1}, paper, 4);
+      // On the upper right of its place, or where there is room: corners that were sewn together have one place.
+      float x = m.x + 7, y = m.y - 20;
+      const float left = m.x - 7 - size.x, below = m.y + 6;
+      FrameRect on;
+      for (const auto& [tx, ty] : {std::pair(x, y), {left, y}, {left, below}, {x, below}}) {
+        on = {tx - 4, ty - 1, tx + size.x + 4, ty + size.y + 1};
+        if (is_free(on)) {
+          x = tx, y = ty;
+          break;
+        }
+      }
+      on = {x - 4, y - 1, x + size.x + 4, y + size.y + 1};
+      taken.push_back(on);
+      d.AddRectFilled({on.x0, on.y0}, {on.x1, on.y1}, paper, 4);
       d.AddText({x, y}, IM_COL32(250, 250, 250, 255), m.name.c_str());
       continue;
     }
@@ -101,6 +119,7 @@ void Desk::marks(const DeskReading& r) {
                     IM_COL32(15, 22, 26, m.hidden ? 70 : 150), 3);
     d.AddText({m.x + 9, m.y - 6}, ink, m.name.c_str());
   }
+  d.PopClipRect();
 }
 
 void Desk::ruler(const DeskReading& r, const std::vector<Vec3f>& ruler_px) {

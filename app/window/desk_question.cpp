@@ -10,7 +10,7 @@ using namespace desk_look;
 
 void DeskLesson::asked(const LessonQuestion& q, const Words& w) {
   if (q.place) {
-    text(ink::hint(), w("Point at it and press K, or click on it while you look around (1)."));
+    text(ink::hint(), w("Click on the place, or point at it and press K."));
     tip(w("arrows lead the pointer; with a stylus K means where its tip is"));
   } else if (q.number) {
     ImGui::PushItemWidth(96);

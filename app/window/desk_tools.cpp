@@ -91,8 +91,11 @@ bool Desk::offered(Tool tool) const { return tool == Tool::none || (acts_on_bone
 void Desk::tool_row(const DeskTool& t, const DeskReading& r) {
   const bool has = r.hand_tool.value_or(state.tool) == t.tool && !state.ruler;
   const Words& w = facts_.w;
+  const bool asked = !has && r.coach && r.coach->says().tool == t.tool && !r.showing;  // the next act is its
+  if (asked) ImGui::PushStyleColor(ImGuiCol_Text, ink::hint());
   if (ImGui::Selectable(fmt::format("{}{}  {}", t.shift ? "\u21e7" : "  ", char(t.key), w(t.name)).c_str(), has))
     choose(t.tool);
+  if (asked) ImGui::PopStyleColor();
   tip(w("{}  Key: {}.", w(t.help), key_words(t, w)));
 }
 

@@ -48,11 +48,12 @@ struct FrameRect {
 struct FrameSeen {
   View view;
   int width = 1, height = 1;
-  std::array<FrameRect, 8> panel;
+  std::array<FrameRect, 12> panel;  // all that can be open at once
   size_t panels = 0;
   bool popup = false;   // a list is open: the next click is its, wherever it goes
   bool typing = false;  // a text field has the keys
   bool tour = false;    // the tour is open: Enter and Esc are its
+  bool asks = false;    // for a place: a click on the patient answers, whatever tool the mouse has
   bool on_panel(float x, float y) const {
     for (size_t i = 0; i < panels; ++i)
       if (panel[i].holds(x, y)) return true;

@@ -103,7 +103,7 @@ void InputRouter::decide(Happened& h) {
       break;
     case WindowEvent::button: {
       bool& of_panel = of_panel_[e.code];
-      if (e.down) of_panel = h.on_panel;
+      if (e.down) of_panel = h.on_panel || (now.asks && e.code == 0 && mouse_);
       e.for_panels = of_panel;
       asks = of_panel || now.typing;  // a click anywhere ends the typing
       if (!e.down) of_panel = false;

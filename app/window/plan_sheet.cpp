@@ -22,7 +22,7 @@ void PlanSheet::pen(const Snapshot& s, const std::vector<ChartPoint>& path, bool
   double drawn_mm = 0;
   const auto end = [&] {
     if (piece.size() > 1) {
-      const std::vector<float> radius(piece.size(), radius_mm);
+      const std::vector<float> radius(piece.size(), std::max(radius_mm, least_mm_));
       add_tube(props_, piece, radius, {colour, 0, 0}, 5);
     }
     piece.clear();
@@ -55,7 +55,7 @@ void PlanSheet::ring(const Vec3f& at, float radius_mm, const Vec3f& colour) {
     const float t = 2 * float(M_PI) * float(i) / kPieces;
     path.push_back(at + radius_mm * Vec3f(std::cos(t), std::sin(t), 0));
   }
-  add_tube(props_, path, std::vector<float>(path.size(), kThin_mm), {colour, 0, 0}, 5);
+  add_tube(props_, path, std::vector<float>(path.size(), std::max(kThin_mm, least_mm_)), {colour, 0, 0}, 5);
 }
 
 void PlanSheet::planes_on_bone(const Snapshot& s, const HeadCommand& cut) {
@@ -127,14 +127,22 @@ void PlanSheet::act(const Coach& coach, size_t i, const Snapshot& s) {
   if (const auto* k = std::get_if<MoveHook>(&c)) ring(k->to_mm.cast<float>(), 2, kSew);
 }
 
-void PlanSheet::draw(const Coach& coach, const Snapshot& s) {
+void PlanSheet::draw(const Coach& coach, const Snapshot& s, float pixel_mm) {
+  constexpr float kMost_mm = 0.8f;                  // from afar lines are thin all the same
+  least_mm_ = std::min(1.2f * pixel_mm, kMost_mm);  // a pixel wide where the patient is drawn half as large
   props_.clear(), lines_.clear(), letters_.clear();
   if (coach.mode() != LessonMode::guided || !has_surface(s)) return;
   const LessonPlan& plan = coach.plan();
   const bool skin = s.topology->body != nullptr;
   if (skin && !chart_.built_for(s)) chart_.build(*s.topology);
+  // What was cut last and lies off is seen beside its plan, until it is taken back or one goes on.
+  const auto off = [&](size_t i) {
+    const ActProgress& a = coach.progress().act[i];
+    return a.state == ActProgress::done && !a.shown && !within(a.offs) && a.by + 1 == coach.standing().size() &&
+           !std::holds_alternative<Undermine>(plan.acts[i].command) && drawn_line(plan.acts[i].command);
+  };
   for (size_t i = 0; i < plan.acts.size(); ++i)
-    if (coach.progress().act[i].state == ActProgress::open &&
+    if ((coach.progress().act[i].state == ActProgress::open || off(i)) &&
         (skin || std::holds_alternative<HeadCommand>(plan.acts[i].command)))
       act(coach, i, s);
   for (const SafeLimit& l : plan.limits) {

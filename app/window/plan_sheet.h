@@ -22,7 +22,8 @@ struct SheetLetter {
 class PlanSheet {
  public:
   /// What is to be drawn over this patient. `head`: the frame of places of acts on bone is the world's.
-  void draw(const Coach& coach, const Snapshot& patient);
+  /// `pixel_mm`: how large a pixel of the picture is there; lines are not drawn thinner than that.
+  void draw(const Coach& coach, const Snapshot& patient, float pixel_mm = 0);
   const PropMesh& props() const { return props_; }
   const SceneLines& lines() const { return lines_; }  // of planes through bone
   const std::vector<SheetLetter>& letters() const { return letters_; }
@@ -35,6 +36,7 @@ class PlanSheet {
   void on_bone(const HeadCommand& act, const Snapshot& s, bool next);
   void planes_on_bone(const Snapshot& s, const HeadCommand& cut);
 
+  float least_mm_ = 0;  // radius of a line
   SkinChart chart_;
   PropMesh props_;
   SceneLines lines_;

@@ -82,7 +82,8 @@ struct WindowFrames::Impl {
   float scale = 1;  // pixels for one unit of the panels
   bool buttons[3]{};
   bool turning = false, shifting = false;
-  uint64_t taken = 0;  // number of the last event
+  bool answering = false;  // a press on the patient that is no act: a place is asked for
+  uint64_t taken = 0;      // number of the last event
   SecondHand glove, other_glove;
   int unseen = 2;  // frames still to be drawn after the last event: panels need two to settle
   int since_frame = 0;
@@ -144,6 +145,11 @@ struct WindowFrames::Impl {
   /// The lesson asks for a place on the skin.
   bool place_asked() const { return coach && coach->says().question && coach->says().question->place; }
 
+  bool on_panel(float px, float py) const {
+    return std::any_of(desk.covered().begin(), desk.covered().end(),
+                       [&](const FrameRect& r) { return r.holds(px / scale, py / scale); });
+  }
+
   bool drag_turns(const WindowEvent& e) const {
     return (e.code == 1 && !(e.mods & WindowEvent::shift)) ||
            (e.code == 0 && desk.state.tool == Tool::none && !desk.state.ruler && !feed.showing);
@@ -165,9 +171,15 @@ struct WindowFrames::Impl {
         io.MouseDown[e.code] = e.down;
         // A press beside the panels ends typing and touches none of them, wherever they have moved since it was made.
         io.MousePos = e.down && !e.for_panels ? ImVec2(-FLT_MAX, -FLT_MAX) : ImVec2(x / scale, y / scale);
-        if (!e.down && e.code == 0 && turning && place_asked() && std::hypot(x - press_x, y - press_y) < kClick_px)
-          desk.state.head.pick = true;
-        if (!e.down) turning = shifting = false;
+        if (!e.down && e.code == 0 && (turning || answering) && place_asked()) {
+          if (std::hypot(x - press_x, y - press_y) < kClick_px)
+            desk.state.head.pick = true;
+          else if (answering)
+            coach->ask_again();
+        }
+        if (!e.down) turning = shifting = answering = false;
+        if (e.down && e.for_panels && e.code == 0 && place_asked() && !on_panel(x, y))
+          press_x = x, press_y = y, answering = true;
         if (!e.down || e.for_panels) break;
         press_x = x, press_y = y;
         if (drag_turns(e))
@@ -323,6 +335,7 @@ struct WindowFrames::Impl {
     f.typing =
         (ImGui::GetIO().WantTextInput && ImGui::IsAnyItemActive()) || desk.state.keys != DeskState::Keys::patient;
     f.tour = desk.state.tour.open();
+    f.asks = place_asked() && desk.state.tool != Tool::none && !feed.showing;  // without a tool a press turns the view
     feed.seen.publish();
     feed.answered.store(taken, std::memory_order_release);
   }
@@ -465,7 +478,7 @@ struct WindowFrames::Impl {
   }
 
   /// What is to be seen: the patient, or the skull beside the one of another moment.
-  const RenderScene& build_scene(const Snapshot& s, const ToolState& tool) {
+  const RenderScene& build_scene(const Snapshot& s, const ToolState& tool, const View& view, int width, int height) {
     ToolPose held = tool_pose(tool, glove, other_glove);
     if (!set.facts.own_device && desk.state.tool == Tool::none && !feed.showing)
       held.visible = false;  // a mouse that looks around holds nothing
@@ -473,7 +486,13 @@ struct WindowFrames::Impl {
     if (desk.state.directions) builder.add_stretch_glyphs(s);
     if (desk.state.lattice) builder.add_lines(lattice_lines());
     if (coach) {
-      sheet.draw(*coach, s);
+      // In the plane of what is looked at, as the camera stands.
+      const Vec3f aside = (camera.target_mm - view.eye_mm).unitOrthogonal();
+      const float px =
+          (view.to_pixel(camera.target_mm + aside, width, height) - view.to_pixel(camera.target_mm, width, height))
+              .head<2>()
+              .norm();
+      sheet.draw(*coach, s, px > 0 && std::isfinite(px) ? 1 / px : 0);
       builder.add_props(sheet.props());
       builder.add_lines(sheet.lines());
     }
@@ -582,8 +601,10 @@ struct WindowFrames::Impl {
     const DeskStage g = stage(width, height);
     const auto px = [](float u, int n) { return int(u * float(n)); };
     renderer->compose(width, height);
-    e->picture = thumbnail(renderer->read(), px(g.u0, width), px(g.v0, height), px(g.u1, width), px(g.v1, height),
-                           2 * DeskHistory::kPictureWidth, 2 * DeskHistory::kPictureHeight);
+    constexpr float kAside = 0.2f;  // of the stage on each side: what is operated on lies in its middle
+    const float du = kAside * (g.u1 - g.u0), dv = kAside * (g.v1 - g.v0);
+    e->picture = thumbnail(renderer->read(), px(g.u0 + du, width), px(g.v0 + dv, height), px(g.u1 - du, width),
+                           px(g.v1 - dv, height), 2 * DeskHistory::kPictureWidth, 2 * DeskHistory::kPictureHeight);
     e->taken = at_leisure ? 2 : 1;
   }
 
@@ -661,7 +682,7 @@ struct WindowFrames::Impl {
     keep_out_of(s, desk.state.face == 2, camera, guarded_mm);
 
     const View view = look(width, height);
-    const RenderScene& scene = build_scene(s, tool);
+    const RenderScene& scene = build_scene(s, tool, view, width, height);
     count_rates();
     tour();
     draw_panels(s, view, width, height);
@@ -714,7 +735,7 @@ void WindowFrames::frame(const Snapshot& snapshot, const ToolState& tool) {
 void WindowFrames::notice(const Notice& notice) {
   impl_->desk.notice(notice);
   impl_->acts.hear(notice);
-  if (notice.kind == Notice::done && notice.command) impl_->pen.hear(*notice.command);
+  if (notice.kind != Notice::refused && notice.command) impl_->pen.hear(*notice.command);
   if (impl_->coach) impl_->coach->hear(notice);
   impl_->unseen = 2;
 }

@@ -8,6 +8,7 @@
 #include "render/colour_map.h"
 #include "render/overlay.h"
 #include "render/render_scene.h"
+#include "render/stitches.h"
 #include "render/textures.h"
 #include "render/view.h"
 #include "render/visible.h"
@@ -184,12 +185,35 @@ TEST(SceneBuilder, AThreadThatIsBeingSewnGoesOnToTheNeedle) {
   EXPECT_LT(of_last(), with_knot);
   EXPECT_NEAR(loose({}), 17, 2) << "its end lies beside the wound";
   float nearest = 1e9f;  // it comes out of the hole, beside the edge that holds the bite
-  for (const PropVertex& v : SceneBuilder().build(s).props.vertex)
+  SceneBuilder kept;     // the scene is its own
+  for (const PropVertex& v : kept.build(s).props.vertex)
     if (v.id == uint32_t(Part::suture) << 24) nearest = std::min(nearest, (v.x_mm - s.sutures.back().b_mm).norm());
   EXPECT_GT(nearest, 1.2f);
   ToolPose needle;
   needle.visible = true, needle.kind = ToolPose::Kind::needle_holder, needle.tip_mm = s.sewn.end_mm + Vec3f(0, 0, 40);
   EXPECT_NEAR(loose(needle), 45, 6) << "it comes to the needle";
+}
+
+// A thread in no hand falls on the skin, and lies on it all along.
+TEST(SceneBuilder, ALooseThreadLiesOnTheSkin) {
+  for (const double wave_mm : {0.0, 0.8}) {
+    Snapshot s = sample_snapshot({.wave_mm = wave_mm, .sutures = 3, .hooks = 0});
+    for (SutureState& k : s.sutures) k.thread = 1;
+    s.sewn.thread = 1, s.sewn.bites = 3, s.sewn.end_mm = s.sutures.back().b_mm;
+    SceneBuilder builder;
+    const RenderScene& scene = builder.build(s);
+    float highest = -1e9f, far = 0;
+    int n = 0;
+    for (const PropVertex& v : scene.props.vertex) {
+      if (v.id != uint32_t(Part::suture) << 24) continue;
+      const NearestSkin at = nearest_skin(scene, v.x_mm);
+      highest = std::max(highest, (v.x_mm - at.x).dot(at.normal)), ++n;
+      far = std::max(far, (v.x_mm - s.sewn.end_mm).norm());
+    }
+    EXPECT_GT(n, 100);
+    EXPECT_GT(far, 10);
+    EXPECT_LT(highest, 0.75f) << "a thread is 0.3 mm thick";
+  }
 }
 
 TEST(SceneBuilder, ThreadLiesOverWhatStandsUpBetweenItsHoles) {

@@ -12,9 +12,11 @@
 #include "app/class/path_drawing.h"
 #include "app/program/places.h"
 #include "app/program/temporary_folder.h"
+#include "app/teaching/saw_watch.h"
 #include "sim/base/error.h"
 #include "sim/commands/script.h"
 #include "tests/app/report/xml_check.h"
+#include "tests/devices/flat_patient.h"
 
 namespace limberg {
 namespace test_class {
@@ -101,6 +103,40 @@ TEST(ClassWalk, OrderStraysAndWhatIsMissing) {
   EXPECT_EQ(aborted.steps.back().done, 0);
   EXPECT_FALSE(aborted.steps.back().time_s);
   EXPECT_EQ(aborted.out_of_order, 0);
+}
+
+TEST(ClassWalk, ABoneThatIsSawnByLinesIsDoneWhenAllOfItsLineIs) {
+  auto t = test::flat_topology(40, 1);
+  for (size_t i = 0; i < t->view.tri.size(); ++i)
+    t->organ.push_back(Organ::bone), t->object.push_back(0), t->view.kind[i] = FaceKind::free;
+  CutBone plane;
+  plane.point_mm = {0, 10, 0}, plane.normal = {0, 1, 0};
+  LessonPlan plan = make_lesson_plan(nullptr, std::vector<Command>{HeadCommand(plane)});
+  find_lines_on_bone(plan, *t);
+  const double half_mm = t->view.X_mm.front().cwiseAbs().maxCoeff();
+  const auto line = [&](double from, double to) {
+    CutBone cut;
+    for (double x = from; x <= to; x += 1) cut.contour_mm.emplace_back(x, 10.5, 0);
+    return Command(HeadCommand(cut));
+  };
+  const Command left = line(-half_mm, -1), right = line(0, half_mm);
+  const ClassWalk part = walk_of(plan, session({left}));
+  EXPECT_EQ(part.steps[0].done, 0);
+  ASSERT_TRUE(part.steps[0].sawn);
+  EXPECT_NEAR(*part.steps[0].sawn, 0.55, 0.1);
+  EXPECT_GT(part.steps[0].share, 1);
+  EXPECT_NE(part.steps[0].off.find("% of the line is sawn"), std::string::npos) << part.steps[0].off;
+  EXPECT_EQ(part.elsewhere, 0);
+  bool told = false;
+  for (const Finding& f : findings_of(session({left}), part)) told |= f.words.find("0 of 1 acts; ") == 0;
+  EXPECT_TRUE(told);
+  const ClassMember whole = session({left, right});
+  const ClassWalk w = walk_of(plan, whole);
+  EXPECT_EQ(w.steps[0].done, 1);
+  EXPECT_FALSE(w.steps[0].sawn);
+  EXPECT_LE(w.steps[0].share, 1);
+  EXPECT_NEAR(*w.steps[0].time_s, 4, 1e-9) << "both lines are of the step";
+  EXPECT_NEAR(sum_of(w), *whole.result.duration_s, 1e-9);
 }
 
 TEST(ClassWalk, HooksAreMeans) {

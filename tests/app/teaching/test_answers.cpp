@@ -260,5 +260,27 @@ TEST(Saw, ALimitOnBoneIsHeardOfWhereACutComesTooNear) {
   }
 }
 
+// What came free is known to the patient alone, and comes with the notice.
+TEST(Saw, WhatCameFreeIsHeldAgainstTheOnePieceThatIsPlanned) {
+  CutBone cut;
+  cut.point_mm = {0, 10, 0}, cut.normal = {0, 1, 0};
+  Bone b(cut);
+  const auto sawn = [&](int32_t freed) {
+    Coach coach(b.plan);
+    Notice n;
+    n.t_s = 1, n.freed = freed, n.command = std::make_shared<const Command>(HeadCommand(cut));
+    coach.hear(n);
+    EXPECT_EQ(coach.said().size(), 1u);
+    const bool off = !within(coach.progress().act[0].offs);
+    EXPECT_EQ(off, freed > 1);
+    EXPECT_EQ(coach.present().better.size(), off ? 1u : 0u);
+    return coach.said().empty() ? "" : coach.said()[0].word;
+  };
+  EXPECT_EQ(sawn(1), "As planned.");
+  EXPECT_EQ(sawn(-1), "As planned.") << "nobody counted";
+  EXPECT_EQ(sawn(0).rfind("All along the line, but the bone still hangs together", 0), 0u);
+  EXPECT_EQ(sawn(3).rfind("3 pieces came free, and one is planned", 0), 0u);
+}
+
 }  // namespace test_answers
 }  // namespace limberg

@@ -379,5 +379,45 @@ TEST(DoBetter, NamesTheWorstThreeWithWhatToDo) {
   EXPECT_TRUE(to_do_better(std::span(j).subspan(4)).empty());
 }
 
+TEST(Coach, NamesTheToolOfTheNextAct) {
+  Session s("rhomboid");
+  EXPECT_EQ(s.coach.says().tool, Tool::excise);
+  s.act(s.planned(0));
+  EXPECT_EQ(s.coach.says().tool, Tool::scalpel);
+  s.act(s.planned(1));
+  EXPECT_EQ(s.coach.says().tool, Tool::undermine);
+  Session exam("rhomboid", LessonMode::examination);
+  EXPECT_FALSE(exam.coach.says().tool);
+  EXPECT_EQ(Session("genioplasty").coach.says().tool, std::nullopt) << "a plane is sawn by the panel";
+}
+
+TEST(Coach, AWordEndsWhenTheProgramShows) {
+  Session s("rhomboid");
+  s.act(s.planned(1));
+  EXPECT_FALSE(s.coach.says().word.empty());
+  s.notice(Notice::done, Shown{true});
+  EXPECT_EQ(s.coach.says().word, "");
+}
+
+// A flap that was cut too short, and cut again as planned without taking anything back.
+TEST(Coach, ASecondCutMayMendTheFirst) {
+  Session s("rhomboid");
+  s.act(s.planned(0));
+  EXPECT_SAYS(s.act(Incise{{{0, 0}, {14, -8.1}}, 4, 90, false}), "too short");
+  EXPECT_SAYS(s.act(Incise{{{0, 0}, {17.3, -10}, {9, -25.5}}, 4, 90, false}), "not in the plan");
+  EXPECT_SAYS(s.act(s.planned(1)), "As planned");
+  EXPECT_EQ(s.coach.says().steps[1].state, StepSeen::done);
+  EXPECT_EQ(s.coach.progress().stray.size(), 2u) << "the others are of no plan";
+}
+
+TEST(LessonPlan, ARowAlongOneLineIsSaidSo) {
+  const LessonPlan p = shipped("rhomboid");
+  size_t rows = 0;
+  for (const PlannedAct& a : p.acts)
+    if (std::holds_alternative<SutureRow>(a.command) && rows++ == 0)
+      EXPECT_EQ(a.words, "Row of stitches every 4 mm: one edge along the line DE, the other along the line EF");
+  EXPECT_GT(rows, 0u);
+}
+
 }  // namespace test_coach
 }  // namespace limberg

@@ -97,5 +97,37 @@ TEST(PenSheet, ASwabWipesOffWhatItPasses) {
   EXPECT_EQ(pen.lines(), 1u);
 }
 
+TEST(PenSheet, TheWayOfAStrokeIsSeenWhileItIsDrawn) {
+  const Snapshot s = test::snapshot_of(test::flat_topology(60, 1));
+  PenSheet pen;
+  ToolState hand;
+  hand.valid = 1;
+  const auto led = [&](Tool tool, double from, double to, bool pressed) {
+    hand.tool = int32_t(tool), hand.pressed = pressed;
+    for (double x = from; x <= to; x += 1) hand.tip_mm[0] = x, pen.follow(hand);
+    pen.draw(s, {});
+    return pen.trail();
+  };
+  for (const Tool tool : {Tool::excise, Tool::undermine, Tool::scalpel, Tool::saw}) {
+    EXPECT_EQ(led(tool, -10, 0, false), 0u) << "in the air";
+    EXPECT_GT(led(tool, 0, 20, true), 15u);
+    EXPECT_FALSE(pen.props().vertex.empty());
+    EXPECT_EQ(led(tool, 20, 21, false), 0u) << "what was drawn is an act by now";
+  }
+  EXPECT_EQ(led(Tool::suture, 0, 20, true), 0u) << "a stitch goes from place to place";
+  // Of a row the first edge is seen until the second was drawn along it.
+  led(Tool::suture_row, 0, 0, false);
+  const size_t first = led(Tool::suture_row, 0, 20, true);
+  EXPECT_EQ(led(Tool::suture_row, 20, 30, false), first);
+  EXPECT_EQ(led(Tool::none, 20, 30, false), first);
+  EXPECT_GT(led(Tool::suture_row, 0, 20, true), first);
+  EXPECT_EQ(led(Tool::suture_row, 20, 21, false), 0u);
+  // It is given up as soon as something else is done.
+  led(Tool::suture_row, 0, 20, true), led(Tool::suture_row, 20, 21, false);
+  EXPECT_GT(pen.trail(), 0u);
+  pen.hear(Shown{true});
+  EXPECT_EQ(pen.trail(), 0u);
+}
+
 }  // namespace test_desk_parts
 }  // namespace limberg

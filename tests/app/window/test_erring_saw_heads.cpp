@@ -131,5 +131,24 @@ TEST(ErringSawOnHeads, AForeheadIsSawnBesideItsLineThenAlongIt) {
   EXPECT_TRUE(told.first_done) << told.all;
 }
 
+// The panel's saw, whose plane reaches all of the bone: Le Fort I cuts more loose than the maxilla.
+TEST(ErringSawOnHeads, APlaneWithoutAnEndFreesMoreThanIsPlanned) {
+  LIMBERG_NEEDS_BULLET();
+  try {
+    make_osmesa_context();
+  } catch (const RenderUnavailable&) {
+    GTEST_SKIP() << "no OSMesa here";
+  }
+  const Told told = say_of("le_fort_1", [](const SurfaceTopology&, const HeadCommand& planned) {
+    const auto& blade = std::get<CutBoneByBlade>(planned);
+    CutBone all;
+    all.point_mm = {0, blade.corner_mm.y() + 50, blade.corner_mm.z()}, all.normal = {0, 0.019, 1};
+    return std::vector<Deed>{{{}, HeadCommand(all)}};
+  });
+  EXPECT_GT(told.bones, 3u) << "two are there at first, and one more is planned";
+  expect_in_order(told.all, {"pieces came free, and one is planned", "Ctrl+Z takes it back"});
+  EXPECT_EQ(told.all.find("As planned"), std::string::npos) << told.all;
+}
+
 }  // namespace test_erring_saw_heads
 }  // namespace limberg

@@ -11,6 +11,7 @@
 #include "app/window/pointer_source.h"
 #include "app/window/ray_cast.h"
 #include "app/window/ruler.h"
+#include "devices/command_builder.h"
 #include "devices/front_end.h"
 #include "tests/render/sample_snapshot.h"
 
@@ -561,6 +562,56 @@ TEST(Ruler, PointsStayInTheTissue) {
   EXPECT_NEAR(ruler.read(s).angle_deg, 90, 0.2);
   touch(0, 0);  // a fourth begins anew
   EXPECT_EQ(ruler.read(s).at_mm.size(), 1u);
+}
+
+// A lesson asks for a place: a click on the patient is its answer, and no act of the tool in the hand.
+TEST(InputOrder, AClickThatAnswersIsNoAct) {
+  Mouse m;
+  DeviceFrontEnd front{Calibration{}};
+  front.add(std::make_unique<PointerSource>(m.feed));
+  m.key('2');
+  m.move(800, 450);
+  gestures_of(m, 0, 50, front);
+  m.draw();
+  FrameSeen& f = m.feed.seen.writing();
+  f = {}, f.view = m.view, f.width = 1600, f.height = 900, f.asks = true;
+  m.feed.seen.publish();
+  m.button(true);
+  std::vector<int32_t> got = gestures_of(m, 50, 100, front);
+  const std::vector<WindowEvent> seen = m.draw();
+  m.button(false);
+  const std::vector<int32_t> after = gestures_of(m, 100, 150, front);
+  got.insert(got.end(), after.begin(), after.end());
+  EXPECT_TRUE(got.empty());
+  ASSERT_FALSE(seen.empty());
+  EXPECT_TRUE(seen.back().for_panels);
+}
+
+// Of a row one edge was drawn, and then the program is asked to show: its first edge is none of the learner's.
+TEST(InputOrder, ARowThatIsBegunIsGivenUpWhenTheProgramShows) {
+  CommandBuilder builder;
+  const auto edge = [&](double y) {
+    ToolEvent e;
+    e.tool = int32_t(Tool::suture_row), e.spacing_mm = 4;
+    std::optional<Command> done;
+    for (int x = 0; x <= 20; ++x) {
+      e.kind = x == 0 ? ToolEvent::stroke_begin : ToolEvent::stroke_point, e.chart_x = e.world_mm[0] = x, e.chart_y = y;
+      builder.feed(e);
+    }
+    e.kind = ToolEvent::stroke_end;
+    return builder.feed(e);
+  };
+  EXPECT_FALSE(edge(3));
+  EXPECT_TRUE(edge(-3)) << "two edges make a row";
+  EXPECT_FALSE(edge(3));
+  ToolEvent told;
+  told.kind = ToolEvent::told, told.command = std::make_shared<const Command>(Shown{true});
+  EXPECT_TRUE(builder.feed(told));
+  EXPECT_EQ(builder.dropped(), 1) << "and it is said";
+  EXPECT_FALSE(edge(12));
+  const std::optional<Command> row = edge(8);
+  ASSERT_TRUE(row && std::holds_alternative<SutureRow>(*row));
+  EXPECT_NEAR(std::get<SutureRow>(*row).a.front().y(), 12, 1e-6);
 }
 
 }  // namespace test_pointer
