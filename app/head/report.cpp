@@ -336,8 +336,8 @@ void print_head(const Head& head) {
   std::printf("face        moved by at most %.2f mm\n", m.most_mm);
 }
 
-void leave_head_figures(Result& r, const Head& head, const std::vector<std::string>& normal_files, const std::string& dir,
-                        const Snapshot& last, const Camera& camera, Workers& workers) {
+void leave_head_figures(Result& r, const Head& head, const std::vector<std::string>& normal_files,
+                        const std::string& dir, const Snapshot& last, const Camera& camera, Workers& workers) {
   write_whole_file(dir + "/measures.csv", to_csv(head_measures(head.landmarks_at_rest(), head.landmarks_now())));
   prepare_folder(dir + "/head");
   for (const std::string& why : report_skull(r, head, normal_files, dir, last, camera, workers)) say(why);

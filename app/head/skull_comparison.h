@@ -4,7 +4,7 @@
 //
 // The normal skull is the synthetic head of normal proportions (cache.h), or the surface that the scene names (the mean
 // of several, say: `limberg superpose --average`). The fit is trimmed ICP of the skull as it was at first
-// (sim/imaging/register/superposition.h): the places that differ most do not draw it, and the operation does not move it.
+// (sim/imaging/register/superposition.h): the places that differ most do not draw it, nor does the operation.
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,8 +44,8 @@ struct SkullFit {
 /// `anywhere`: it may lie in any way, so four ways to begin are tried; else it begins as it lies.
 SkullFit lay_upon(const Surface& skull, const Surface& other, const std::string& in_words, bool with_scale,
                   Workers& workers, bool anywhere = false);
-/// Upon the normal skull: all of `files`, which together may lie in any way, or where there are none the built-in one. A
-/// file that cannot be read is a reason.
+/// Upon the normal skull: all of `files`, which together may lie in any way, or where there are none the built-in one.
+/// A file that cannot be read is a reason.
 SkullFit lay_upon_normal(const Surface& skull, const std::vector<std::string>& files, Workers& workers);
 /// `rest` and `now` have the same vertices and triangles; `fragment`: of each vertex.
 SkullComparison measure_on(const SkullFit& fit, Surface rest, Surface now, std::vector<int32_t> fragment,

@@ -17,7 +17,7 @@
 //                    iterations_per_step of the face, show_face = "solid" | "clear" | "hidden" at the beginning,
 //                    picture_from_head = [[r, r, r, t], ...] three rows of the map from the head's frame to that of
 //                    the picture (left, posterior, superior, mm) that it was made from: of a patient from a CT,
-//                    normal_skull = "FILE" or ["FILE", ...], surfaces that the skull is laid upon instead of the built-in one,
+//                    normal_skull = "FILE" or ["FILE", ...], the skull that it is laid upon, not the built-in one,
 //                    carries_skin_mm: with a [body], its fixed nodes that are at most so far from bone move with it
 //   [[head.tissue]]  name, face and bone: a place [x, y, z] or a landmark's
 //                    name; face_radius_mm, bone_radius_mm (0: all bone), layers,

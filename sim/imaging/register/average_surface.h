@@ -5,9 +5,9 @@
 //                         mean of all of them is the next one, until it stands still (generalised Procrustes, Gower
 //                         1975, with nearest places instead of landmarks)
 //   mean                  every vertex of it goes along its normal until its distances to the nearest places on all
-//                         surfaces that look the same way sum to nothing; the steps are evened out over neighbours. It
-//                         keeps the first surface's triangles, so walls stay walls where surfaces lie apart by more than
-//                         these are thick (a mean of signed distances would open them)
+//                         surfaces that look the same way sum to nothing; the steps are evened out over neighbours.
+//                         It keeps the first surface's triangles, so walls stay walls where surfaces lie apart by more
+//                         than these are thick (a mean of signed distances would open them)
 //   spread                of the distances along the mean's normals, per vertex
 //
 // What the first surface does not have the mean has not either; what others lack is made of those that have it, where
@@ -21,8 +21,8 @@
 namespace limberg {
 
 struct AverageSettings {
-  // Share of the pairs that count while they are laid upon each other. All: of a wider and a narrower skull the 70 % that
-  // differ least are those of one side, and the other is then twice as far.
+  // Share of the pairs that count while they are laid upon each other. All: of a wider and a narrower skull the 70 %
+  // that differ least are those of one side, and the other is then twice as far.
   double keep = 1;
   bool with_scale = false;  // all as large as their (geometric) mean
   double far_mm = 25;       // what is farther away, or looks another way by 60 degrees, is no place of the same kind
