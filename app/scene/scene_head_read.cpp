@@ -4,8 +4,6 @@
 #include <filesystem>
 #include <iterator>
 
-#include "sim/imaging/io/surface_file.h"
-
 namespace limberg {
 
 namespace {
@@ -94,7 +92,6 @@ void read_normal_skull(Table& t, const toml::table& head, const std::string& fil
   }
   for (const std::string& f : out) {
     std::error_code ec;
-    if (!is_surface_name(f)) t.fail(kKey, f + " is no surface; expected a file .obj, .ply, .stl or .simplex");
     if (!fs::is_regular_file(f, ec)) t.fail(kKey, f + " cannot be read; expected a surface");
   }
 }

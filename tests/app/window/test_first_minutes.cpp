@@ -345,6 +345,31 @@ TEST_P(FirstMinutes, WithTheMouse) {
   EXPECT_EQ(w.coach().says().word, "") << "of what was done before the program showed";
 }
 
+/// On one's own: what the lesson keeps to itself in the free mode and in an examination.
+TEST_P(FirstMinutes, OnOnesOwn) {
+  const std::string lesson = GetParam();
+  if (lesson != "rhomboid") GTEST_SKIP() << "the same in every lesson";
+  for (const LessonMode mode : {LessonMode::free_hand, LessonMode::examination}) {
+    const std::string name = mode == LessonMode::examination ? "exam" : "free";
+    Walk w(lesson, 1280, 720, mode, false);
+    const Excise defect = std::get<Excise>(w.plan.acts[0].command);
+    const Incise flap = std::get<Incise>(w.plan.acts[1].command);
+    w.rest(0.4).shoot(name + "-begins");
+    w.key('4').drag(bent(defect.outline, 0, 1.02), true).shoot(name + "-defect");
+    w.key('2').drag({flap.path[0], flap.path[0] + 0.8 * (flap.path[1] - flap.path[0])}).shoot(name + "-too-short");
+    w.click([&] { return w.in_panel("##MainMenuBar", 30, 10); }).rest(0.3).shoot(name + "-menu");
+    w.key(WindowEvent::escape).rest(0.3);
+    if (mode == LessonMode::examination) w.key('N').rest(1).shoot(name + "-asked-to-show");
+    w.run();
+    const std::string all = all_said(w.coach());
+    EXPECT_EQ(w.coach().standing().size(), 2u) << "and nothing was shown";
+    EXPECT_EQ(w.coach().says().hint, "");
+    if (mode == LessonMode::free_hand) continue;
+    EXPECT_EQ(all.find("As planned"), std::string::npos) << all;
+    EXPECT_EQ(all.find("too short"), std::string::npos) << all;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(OfALesson, FirstMinutes, ::testing::Values("rhomboid", "cheek-rhomboid"));
 
 }  // namespace test_first_minutes
