@@ -70,7 +70,7 @@ class HaplyBoard {
 
   std::string path;
   double noise = 0;  // share of bytes that the line damages
-  std::atomic<int64_t> torques{0}, setups{0}, least_uJ{0}, deepest_um{0};
+  std::atomic<int64_t> torques{0}, setups{0}, least_uJ{0}, depth_um{0};
   std::array<float, 4> setup() const {
     const std::lock_guard lock(mutex_);
     return setup_;
@@ -100,7 +100,7 @@ class HaplyBoard {
       if (!first) energy_mJ -= force_now.dot(at - x);
       first = false, x = at;
       least_uJ = std::min(least_uJ.load(), int64_t(1e3 * energy_mJ));
-      deepest_um = std::max(deepest_um.load(), int64_t(-1e3 * at.z()));
+      depth_um = int64_t(-1e3 * at.z());
       while (got.size() >= 2) {
         const size_t floats = got[0] == 0x03 ? 4 : got[0] == 0x13 ? 2 : 0;
         if (floats == 0 || got[1] != 5) {

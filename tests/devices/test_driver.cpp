@@ -4,6 +4,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "app/program/places.h"
@@ -162,7 +163,9 @@ TEST(Haply, AHandThatPressesIsHeldUp) {
   Snapshot skin = snapshot_of(flat_topology(12, 1));
   Samples samples;
   int64_t step = -1;
+  std::vector<int64_t> depth_um;  // once the hand presses
   for (int64_t now = 0; now < 2'500'000'000; now = monotonic_ns() - start) {
+    if (now > 1'500'000'000) depth_um.push_back(board.depth_um);
     if (now / 16'000'000 != step) step = now / 16'000'000, ++skin.step;
     source.look(skin), source.hold(ToolState{}), source.poll(now, samples);
     const timespec pause{0, 1'000'000};
@@ -170,13 +173,16 @@ TEST(Haply, AHandThatPressesIsHeldUp) {
   }
   EXPECT_GT(samples.all.size(), 300u);
   EXPECT_GT(board.torques, 300);
+  // Its middle: where this machine does other work for a moment the force is taken back, and the hand goes deeper.
+  ASSERT_FALSE(depth_um.empty());
+  std::nth_element(depth_um.begin(), depth_um.begin() + ptrdiff_t(depth_um.size() / 2), depth_um.end());
+  const double depth_mm = double(depth_um[depth_um.size() / 2]) * 1e-3;
   std::printf("%zu readings, %lld torques, %.2f mm deep, least energy %.3f mJ; %s\n", samples.all.size(),
-              (long long)board.torques, double(board.deepest_um) * 1e-3, double(board.least_uJ) * 1e-3,
-              source.health().c_str());
+              (long long)board.torques, depth_mm, double(board.least_uJ) * 1e-3, source.health().c_str());
   // The hand wants to be 6 mm below the skin: 0.3 N/mm of its own against k.
   const double k = 2 * 200 / (1 - 0.45 * 0.45) * 1e-3, coupled = k * 0.7 / (k + 0.7);
-  EXPECT_GT(double(board.deepest_um) * 1e-3, 0.5 * 6 * 0.3 / (0.3 + coupled));
-  EXPECT_LT(double(board.deepest_um) * 1e-3, 5.2);
+  EXPECT_GT(depth_mm, 0.5 * 6 * 0.3 / (0.3 + coupled));
+  EXPECT_LT(depth_mm, 5.2);
   EXPECT_GT(board.felt_N().z(), 0.2);
 }
 
