@@ -64,10 +64,11 @@ TEST_F(Cli, AnInterruptKeepsWhatWasDone) {
     return;
   }
   const json j = json::parse(slurp(result));
-  EXPECT_TRUE(j["interrupted"].get<bool>());
-  EXPECT_FALSE(j["ok"].get<bool>());
-  EXPECT_LT(j["commands"].get<int>(), kActs + 1);
-  EXPECT_EQ(j["commands"].get<size_t>(), j["script"].size());
+  EXPECT_TRUE(j.value("interrupted", false)) << j.dump(1);
+  EXPECT_FALSE(j.value("ok", true));
+  EXPECT_LT(j.value("commands", -1), kActs + 1);
+  // A slow machine may not have done one of them: then there is no script.
+  EXPECT_EQ(j.value("commands", -1), j.contains("script") ? int(j["script"].size()) : 0) << j.dump(1);
   EXPECT_NE(slurp(err).find("of 90001 actions"), std::string::npos) << slurp(err);
 }
 

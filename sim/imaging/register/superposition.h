@@ -68,7 +68,7 @@ class SurfaceTarget {
     bool border = false;     // on the rim of an open surface
   };
   Place closest(const Vec3& x_mm) const;
-  /// The nearest place of a face that looks the way of `normal` (a unit vector; all within 54 degrees of it, none beyond
+  /// The nearest place of a face that looks the way of `normal` (a unit vector; all within 54 degrees of it, none past
   /// 95): of a thin wall its own side. None within `far_mm`, or a cloud: false.
   bool closest_facing(const Vec3& x_mm, const Vec3& normal, double far_mm, Place& place) const;
   bool cloud() const { return tri_.empty(); }
