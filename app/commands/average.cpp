@@ -15,13 +15,6 @@ namespace limberg {
 
 namespace {
 
-std::string obj_of(const Surface& s) {
-  std::string out = "# Lengths in mm.\n";
-  for (const Vec3& x : s.x_mm) out += fmt::format("v {:.5f} {:.5f} {:.5f}\n", x.x(), x.y(), x.z());
-  for (const Tri& t : s.tri) out += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
-  return out;
-}
-
 std::string spread_csv(const AverageSurface& a) {
   std::string out = "x_mm,y_mm,z_mm,spread_mm\n";
   for (size_t v = 0; v < a.mean.x_mm.size(); ++v) {
@@ -33,21 +26,16 @@ std::string spread_csv(const AverageSurface& a) {
 
 }  // namespace
 
-std::optional<ResultAverage> average_files(const std::vector<std::string>& files, const std::string& to,
-                                           const AverageSettings& settings, const std::string& out_dir, Result& result,
-                                           Workers& workers, std::string& reason) {
+std::optional<ResultAverage> average_files(const std::vector<std::string>& files, const std::vector<Surface>& surfaces,
+                                           const std::string& to, const AverageSettings& settings,
+                                           const std::string& out_dir, Result& result, Workers& workers,
+                                           std::string& reason) {
   const std::string kind = std::filesystem::path(to).extension().string();
   if (kind != ".obj" && kind != ".ply" && kind != ".stl")
     throw InputError(to, 0, "is no name of a surface that is written; expected one that ends in .obj, .ply or .stl");
-  std::vector<Surface> surfaces;
-  for (const std::string& f : files) {
-    surfaces.push_back(load_surface(f));
-    if (surfaces.back().tri.empty()) throw InputError(f, 0, "has no triangles; expected a surface");
-    if (const std::string lacks = lacks_shape(surfaces.back()); !lacks.empty()) throw InputError(f, 0, lacks);
-  }
   const AverageSurface a = average_surface(surfaces, settings, workers);
   if (!a) return reason = a.reason, std::nullopt;
-  write_whole_file(to, kind == ".obj"   ? obj_of(a.mean)
+  write_whole_file(to, kind == ".obj"   ? obj_text(a.mean)
                        : kind == ".ply" ? ply_bytes(a.mean, "the mean of several surfaces")
                                         : stl_bytes(a.mean, "the mean of several surfaces"));
   ResultAverage r{to, a.mean.x_mm.size(), a.rounds, a.still, 0, 0, 0, a.half, {}};

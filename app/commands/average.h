@@ -34,11 +34,12 @@ void fields(ResultAverage& x, auto&& f) {
   f("half", x.half), f("surfaces", x.surfaces);
 }
 
-/// Writes `to` (.obj, .ply or .stl by its name), says what it is on standard output and in a table of the page, and
-/// with `out_dir` leaves spread.csv (x_mm, y_mm, z_mm, spread_mm) there. Nothing, with `reason`: there is no mean.
-/// Throws InputError on files that cannot be read or written.
-std::optional<ResultAverage> average_files(const std::vector<std::string>& files, const std::string& to,
-                                           const AverageSettings& settings, const std::string& out_dir, Result& result,
-                                           Workers& workers, std::string& reason);
+/// Of the surfaces that these files hold. Writes `to` (.obj, .ply or .stl by its name), says what it is on standard
+/// output and in a table of the page, and with `out_dir` leaves spread.csv (x_mm, y_mm, z_mm, spread_mm) there. Nothing,
+/// with `reason`: there is no mean. Throws InputError where `to` cannot be written.
+std::optional<ResultAverage> average_files(const std::vector<std::string>& files, const std::vector<Surface>& surfaces,
+                                           const std::string& to, const AverageSettings& settings,
+                                           const std::string& out_dir, Result& result, Workers& workers,
+                                           std::string& reason);
 
 }  // namespace limberg

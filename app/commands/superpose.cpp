@@ -288,11 +288,16 @@ int averaged(const SuperposeOptions& o, Result& result, ResultSuperposition& fou
                      "--landmarks-only");
   std::vector<std::string> files{o.a, o.b};
   files.insert(files.end(), o.more.begin(), o.more.end());
+  std::vector<Surface> surfaces;
+  for (const std::string& f : files) {
+    surfaces.push_back(shape_from(f));
+    if (surfaces.back().tri.empty()) throw InputError(f, 0, "has no triangles; expected a surface");
+  }
   AverageSettings s;
   s.keep = o.keep.value_or(s.keep), s.with_scale = o.scale;
   progress.note("averaging");
   std::string reason;
-  found.average = average_files(files, o.average, s, o.common.out_dir, result, workers, reason);
+  found.average = average_files(files, surfaces, o.average, s, o.common.out_dir, result, workers, reason);
   progress.clear();
   return finish(o, result, found, reason);
 }

@@ -93,6 +93,13 @@ std::string stl_bytes(const Surface& s, const std::string& title) {
   return out;
 }
 
+std::string obj_text(const Surface& s) {
+  std::string out = "# Lengths in mm.\n";
+  for (const Vec3& x : s.x_mm) out += fmt::format("v {:.5f} {:.5f} {:.5f}\n", x.x(), x.y(), x.z());
+  for (const Tri& t : s.tri) out += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+  return out;
+}
+
 std::string ply_bytes(const Surface& s, const std::string& title) {
   std::string out = fmt::format(
       "ply\nformat binary_little_endian 1.0\ncomment {}\nelement vertex {}\nproperty float x\nproperty float y\n"

@@ -23,6 +23,8 @@ void move(Surface& surface, const Eigen::Isometry3d& by);
 
 /// 80 bytes of header, the number of triangles, 50 bytes for each, in mm, little endian.
 std::string stl_bytes(const Surface& surface, const std::string& title);
+/// Text, vertices to 10 nm.
+std::string obj_text(const Surface& surface);
 /// Binary, little endian; vertices shared by triangles, floats.
 std::string ply_bytes(const Surface& surface, const std::string& title);
 

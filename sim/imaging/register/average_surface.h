@@ -10,8 +10,8 @@
 //                         than these are thick (a mean of signed distances would open them)
 //   spread                of the distances along the mean's normals, per vertex
 //
-// What the first surface does not have the mean has not either; what others lack is made of those that have it, where
-// these are half of them or more.
+// The mean has no part that the first surface lacks. A part that other surfaces lack is made of those that have it,
+// where these are half of them or more.
 #include <string>
 #include <vector>
 

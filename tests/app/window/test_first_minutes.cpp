@@ -25,16 +25,10 @@ using Path = std::vector<ChartPoint>;
 /// One thing that the beginner does; called every millisecond with how long it has lasted, until it is over.
 using Deed = std::function<bool(double t_s)>;
 
-class Walk final : public Source, public PictureSink {
+class Walk final : testing::ShippedLesson, public Source, public PictureSink {
  public:
   Walk(const std::string& lesson_name, int width, int height, LessonMode mode = LessonMode::guided, bool tour = true)
-      : name_(lesson_name) {
-    const Lesson lesson = open_lesson(source_dir() + "/app/lessons/" + lesson_name + ".toml");
-    scene = load_scene(source_dir() + "/app/scenes/" + lesson.scene + ".toml");
-    std::vector<Command> script;
-    for (const ScriptLine& l : load_script(source_dir() + "/recordings/" + lesson_name + ".jsonl").lines)
-      script.push_back(l.command);
-    plan = make_lesson_plan(&lesson, script);
+      : ShippedLesson(lesson_name), name_(lesson_name) {
     WindowSettings set;
     set.facts.scene = scene.name, set.facts.device = "mouse", set.facts.goal = lesson.goal;
     set.facts.head = scene.head.has_value(), set.facts.skin = scene.flesh;
@@ -49,7 +43,7 @@ class Walk final : public Source, public PictureSink {
 
   // What a beginner does.
   Walk& key(int32_t code, uint32_t mods = 0) {
-    return add([=, this](double) { return press_key(code, mods), true; }).rest(0.25);
+    return add([=, this](double) { return testing::press_key(router, code, mods), true; }).rest(0.25);
   }
   Walk& rest(double s) {
     return add([s](double t) { return t > s; });
@@ -180,8 +174,7 @@ class Walk final : public Source, public PictureSink {
     ++shots_, shot_ = "done";
   }
 
-  Scene scene;
-  LessonPlan plan;
+  using ShippedLesson::plan;
   testing::MemoryScreen screen;
   HandFeed feed;
   LaneGauges gauges;
@@ -189,13 +182,6 @@ class Walk final : public Source, public PictureSink {
   std::unique_ptr<WindowFrames> window;
 
  private:
-  void press_key(int32_t code, uint32_t mods) {
-    WindowEvent e;
-    e.kind = WindowEvent::key, e.code = code, e.down = 1, e.mods = mods;
-    router.take(e);
-    e.down = 0;
-    router.take(e);
-  }
   void move(const Vec2& px) {
     WindowEvent e;
     e.x = float(px.x()), e.y = float(px.y());

@@ -87,11 +87,7 @@ struct Window : testing::DrawnWindow {
   }
   /// Without looking at what comes of it yet.
   void key_alone(int32_t code, uint32_t mods) {
-    WindowEvent e;
-    e.kind = WindowEvent::key, e.code = code, e.down = 1, e.mods = mods;
-    router.take(e);
-    e.down = 0;
-    router.take(e);
+    testing::press_key(router, code, mods);
     router.pump(0), frames->wants_frame();
   }
   void shoot(const std::string& name) {

@@ -55,17 +55,9 @@ struct Window : testing::DrawnWindow {
   }
 };
 
-struct Shipped {
-  Scene scene;
-  LessonPlan plan;
+struct Shipped : testing::ShippedLesson {
   Snapshot patient;
-  explicit Shipped(const std::string& name) {
-    const Lesson lesson = open_lesson(source_dir() + "/app/lessons/" + name + ".toml");
-    scene = load_scene(source_dir() + "/app/scenes/" + lesson.scene + ".toml");
-    std::vector<Command> script;
-    for (const ScriptLine& l : load_script(source_dir() + "/recordings/" + name + ".jsonl").lines)
-      script.push_back(l.command);
-    plan = make_lesson_plan(&lesson, script);
+  explicit Shipped(const std::string& name) : ShippedLesson(name) {
     WorkersPool workers(2);
     make_world(scene, workers)->fill(patient);
   }
