@@ -35,7 +35,7 @@ void fields(ResultAverage& x, auto&& f) {
 }
 
 /// Of the surfaces that these files hold. Writes `to` (.obj, .ply or .stl by its name), says what it is on standard
-/// output and in a table of the page, and with `out_dir` leaves spread.csv (x_mm, y_mm, z_mm, spread_mm) there. Nothing,
+/// output and in a table of the page, and with `out_dir` spread.csv (x_mm, y_mm, z_mm, spread_mm) there. Nothing,
 /// with `reason`: there is no mean. Throws InputError where `to` cannot be written.
 std::optional<ResultAverage> average_files(const std::vector<std::string>& files, const std::vector<Surface>& surfaces,
                                            const std::string& to, const AverageSettings& settings,
