@@ -44,6 +44,13 @@ const char* ContactForces::fault_of(const FemModel& model, const Contact& c, Ite
 }
 
 void ContactForces::set(const FemModel& model, std::span<const Contact> contacts, Workers& workers) {
+  struct NoneUnlessWhole {  // contacts half set name nodes of another model
+    std::vector<Item>& item;
+    bool whole = false;
+    ~NoneUnlessWhole() {
+      if (!whole) item.clear();
+    }
+  } set{item_};
   item_.resize(contacts.size());
   force_.resize(contacts.size());
   energy_.assign((contacts.size() + kGrain - 1) / kGrain, 0);
@@ -54,10 +61,8 @@ void ContactForces::set(const FemModel& model, std::span<const Contact> contacts
         fault[begin / kGrain] = wrong;
   });
   for (const char* wrong : fault)
-    if (wrong) {
-      item_.clear();
-      throw InputError("", 0, wrong);
-    }
+    if (wrong) throw InputError("", 0, wrong);
+  set.whole = true;
 }
 
 double ContactForces::clearance_mm(size_t i, const NodeArray& u) const {

@@ -355,5 +355,31 @@ TEST(ContactForces, BadContactsAreRefused) {
   refused([](Contact& c) { c.b.node[7] = -1; });
 }
 
+/// A machine that has no memory for a loop.
+class WithoutMemory final : public Workers {
+ public:
+  int count() const override { return 1; }
+  void parallel_for(size_t, size_t, const std::function<void(size_t, size_t)>&) override { throw std::bad_alloc(); }
+  std::shared_ptr<Job> submit(std::function<void()>) override { throw std::bad_alloc(); }
+};
+
+// Half of another model's contacts would be read past the end of this one's nodes.
+TEST(ContactForces, WhatFailsHalfWayLeavesNone) {
+  const Slabs large = two_slabs(4, 1, 8, 4, 30, 0.3), small = two_slabs(2, 1, 8, 4, 30, 0.3);
+  const std::vector<Contact> many = gauss_contacts(large, 10), few = gauss_contacts(small, 10);
+  InlineWorkers here;
+  WithoutMemory poor;
+  fem::ContactForces c;
+  c.set(large.model, many, here);
+  ASSERT_EQ(c.size(), many.size());
+  EXPECT_THROW(c.set(small.model, few, poor), std::bad_alloc);
+  EXPECT_EQ(c.size(), 0u);
+  c.set(large.model, many, here);
+  Contact bad = few.front();
+  bad.k_N_per_mm = 0;
+  EXPECT_THROW(c.set(small.model, std::span(&bad, 1), here), InputError);
+  EXPECT_EQ(c.size(), 0u);
+}
+
 }  // namespace test_contact_forces
 }  // namespace limberg
