@@ -21,13 +21,13 @@ Exercise exercise(std::span<const Command> script, const Metrics& m, const std::
     e.hooks += std::holds_alternative<SetHook>(c);
     e.hook_moves += std::holds_alternative<MoveHook>(c);
     e.threads_cut += std::holds_alternative<CutSuture>(c);
-    e.undos += std::holds_alternative<Undo>(c);
-    e.redos += std::holds_alternative<Redo>(c);
+    e.undos += std::holds_alternative<Undo>(c), e.redos += std::holds_alternative<Redo>(c);
     if (const auto* h = std::get_if<HeadCommand>(&c)) {
       e.osteotomies += std::holds_alternative<CutBone>(*h) || std::holds_alternative<CutBoneByBlade>(*h);
       e.bone_moves += std::holds_alternative<MoveFragment>(*h) || std::holds_alternative<LetGo>(*h);
     }
   }
+  e.undos = std::max(0, e.undos - e.redos);  // who looks back and comes forth again has taken nothing back
   e.stitches = int(m.sutures.size());
   for (const SutureFigure& s : m.sutures) {
     e.gaps_open += s.gap_mm > 0.2;

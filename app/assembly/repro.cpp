@@ -41,7 +41,7 @@ Command command(const Json& j, const std::string& file, int number) {
 }  // namespace
 
 std::string to_text(const Repro& r) {
-  nlohmann::ordered_json j;  // what it is stands first
+  nlohmann::ordered_json j = nlohmann::ordered_json::object();  // what it is stands first
   j["limberg_repro"] = 1;
   j["program"] = r.program;
   j["scene"] = r.scene;

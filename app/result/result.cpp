@@ -6,6 +6,7 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "app/program/version.h"
 #include "app/result/json_nesting.h"
@@ -19,7 +20,20 @@ using Json = nlohmann::ordered_json;
 
 struct Result::Impl {
   Json json;
-  Json& at(std::string_view path) { return json[Json::json_pointer(std::string(path))]; }
+
+  /// What is not there yet is made. Not by indexing what is null: of an object for which there was no memory the
+  /// library keeps a half-made one, whose end is a crash.
+  Json& at(std::string_view path) {
+    std::vector<std::string> names;
+    for (Json::json_pointer p{std::string(path)}; !p.empty(); p.pop_back()) names.push_back(p.back());
+    Json* node = &json;
+    for (auto name = names.rbegin(); name != names.rend(); ++name) {
+      const bool is_number = !name->empty() && name->find_first_not_of("0123456789") == std::string::npos;
+      if (node->is_null()) *node = is_number ? Json::array() : Json::object();
+      node = node->is_array() ? &(*node)[size_t(std::stoul(*name))] : &(*node)[*name];
+    }
+    return *node;
+  }
 };
 
 namespace {

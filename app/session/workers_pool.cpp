@@ -133,6 +133,7 @@ struct WorkersPool::Impl {
 
 WorkersPool::WorkersPool(int n) : impl_(std::make_unique<Impl>()), n_(n) {
   if (n < 1) throw std::invalid_argument("a pool needs at least one worker");
+  impl_->helpers.reserve(size_t(n) - 1);  // a helper for whom there is no room could not be told to stop
   try {
     for (int i = 1; i < n; ++i)
       impl_->helpers.push_back(std::make_unique<ScheduledThread>([p = impl_.get()] { p->help(); }));

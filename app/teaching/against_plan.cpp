@@ -122,8 +122,11 @@ std::optional<Offs> cut_against(const LessonPlan& plan, const DrawnLine& want, c
                                  long_mm, towards)
                         : plan.w("{:.0f} mm too long ({:.0f} instead of {:.0f} mm)", -short_mm, drawn_mm, long_mm)});
   }
+  const NearLetters near = near_letters(plan.letters, off_line.at);
   offs.push_back({Off::line, off_line.most, plan.within.corner_mm,
-                  plan.w("{:.1f} mm beside the line{}", off_line.most, at_letter(plan, off_line.at))});
+                  near.second != 0
+                      ? plan.w("{:.1f} mm beside the line {}{}", off_line.most, near.first, near.second)
+                      : plan.w("{:.1f} mm beside the line{}", off_line.most, at_letter(plan, off_line.at))});
   Off corner{Off::corner, 0, plan.within.corner_mm, ""};
   const std::vector<ChartPoint> corners = want.closed ? corners_of_outline(want.path) : corners_of_path(want.path);
   for (const ChartPoint& c : corners)

@@ -163,6 +163,8 @@ void Coach::hear(const Notice& n) {
   standing_ = standing_acts(script_);
   follow_plan();
   if (n.kind == Notice::undone && !shown_) ++undone_, says_.word.clear();
+  if (n.kind == Notice::redone && !shown_)
+    undone_ = std::max(0, undone_ - 1);  // one who looks back and comes forth again
   if (n.kind == Notice::done && !leaves_patient(*n.command) && !standing_.empty()) {
     shown_acts_ += shown_;
     if (!shown_) judge_newest(n.freed == 0);
@@ -192,6 +194,9 @@ std::string Coach::out_of_order(size_t act) const {
   if (progress_.next >= plan_.acts.size()) return "";
   const size_t step = plan_.acts[progress_.next].step;
   if (step >= plan_.acts[act].step) return "";
+  const auto of_hook = [&](size_t i) { return is_of_hooks(plan_.acts[i].command); };
+  const std::vector<size_t> open = progress_.open();  // which hook goes first is of no weight
+  if (of_hook(act) && std::all_of(open.begin(), open.end(), [&](size_t i) { return i > act || of_hook(i); })) return "";
   const TeachingStep &first = plan_.steps[step], &then = plan_.steps[plan_.acts[act].step];
   return first.words.why.empty() ? plan_.w("Out of order: \"{}\" comes before \"{}\".", first.name, then.name)
                                  : plan_.w("Out of order: \"{}\" comes before \"{}\", for this reason: {}.", first.name,

@@ -120,7 +120,7 @@ LessonStep in_language(LessonStep s, const Words& w) {
 
 }  // namespace
 
-std::string near_letter(std::span<const LetteredPoint> letters, const ChartPoint& at, const Words& w) {
+NearLetters near_letters(std::span<const LetteredPoint> letters, const ChartPoint& at) {
   constexpr double kAt_mm = 3.5, kReach_mm = 30;
   const LetteredPoint *first = nullptr, *second = nullptr;
   const auto far = [&](const LetteredPoint* l) { return l ? (l->at - at).norm() : 1e9; };
@@ -129,11 +129,15 @@ std::string near_letter(std::span<const LetteredPoint> letters, const ChartPoint
       second = first, first = &l;
     else if (far(&l) < far(second))
       second = &l;
-  if (!first || far(first) > kReach_mm) return "";
-  if (far(first) <= kAt_mm || !second || far(second) > kReach_mm) return std::string(1, first->letter);
-  char a = first->letter, b = second->letter;
-  if (a > b) std::swap(a, b);
-  return w("the line {}{}", a, b);
+  if (!first || far(first) > kReach_mm) return {};
+  if (far(first) <= kAt_mm || !second || far(second) > kReach_mm) return {first->letter, 0};
+  return {std::min(first->letter, second->letter), std::max(first->letter, second->letter)};
+}
+
+std::string near_letter(std::span<const LetteredPoint> letters, const ChartPoint& at, const Words& w) {
+  const NearLetters near = near_letters(letters, at);
+  if (near.second != 0) return w("the line {}{}", near.first, near.second);
+  return near.first == 0 ? "" : std::string(1, near.first);
 }
 
 LessonPlan make_lesson_plan(const Lesson* lesson, std::span<const Command> script, const Words& w) {
@@ -165,7 +169,7 @@ LessonPlan make_lesson_plan(const Lesson* lesson, std::span<const Command> scrip
     if (const auto* stage = std::get_if<Stage>(&c)) {
       end_step(stage->name);
     } else if (!leaves_patient(c) && !std::holds_alternative<Undo>(c) && !std::holds_alternative<Redo>(c)) {
-      p.acts.push_back({c, p.steps.size(), ""});
+      p.acts.push_back({c, p.steps.size(), "", {}});
       p.bone |= std::holds_alternative<HeadCommand>(c);
     }
   }

@@ -55,5 +55,10 @@ LessonPlan make_lesson_plan(const Lesson* lesson, std::span<const Command> scrip
 
 /// "D", or "between D and E", or "" where no letter is within reach.
 std::string near_letter(std::span<const LetteredPoint> letters, const ChartPoint& at, const Words& words = {});
+/// The letter at this place; two, in their order, of a place between them; 0: none is near.
+struct NearLetters {
+  char first = 0, second = 0;
+};
+NearLetters near_letters(std::span<const LetteredPoint> letters, const ChartPoint& at);
 
 }  // namespace limberg

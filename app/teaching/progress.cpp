@@ -14,10 +14,6 @@ namespace {
 
 constexpr double kMuchTooFar = 2;  // of a limit: what is shown does not go on from there
 
-bool is_of_hooks(const Command& c) {
-  return std::holds_alternative<SetHook>(c) || std::holds_alternative<MoveHook>(c) ||
-         std::holds_alternative<ReleaseHook>(c);
-}
 int hook_of(const Command& c) {
   if (const auto* h = std::get_if<SetHook>(&c)) return h->id;
   if (const auto* h = std::get_if<MoveHook>(&c)) return h->id;

@@ -17,13 +17,15 @@ void ActHistory::hear(const Notice& n) {
   Entry e;
   e.number = ++number_, e.text = n.text.data(), e.t_s = n.t_s, e.stroke = piece ? piece->stroke : 0;
   entries_.push_back(std::move(e));
-  if (entries_.size() > History<int>::kMost) entries_.erase(entries_.begin());  // as the patient does
+  if (entries_.size() > History<int>::kMost) {  // as the patient does
+    start_ = std::move(entries_.front());       // one goes back as far as to it
+    entries_.erase(entries_.begin());
+  }
   standing_ = entries_.size();
 }
 
 ActHistory::Entry* ActHistory::unseen(bool at_rest) {
-  if (standing_ == 0) return nullptr;
-  Entry& e = entries_[standing_ - 1];
+  Entry& e = standing_ == 0 ? start_ : entries_[standing_ - 1];
   return e.taken == 0 || (e.taken == 1 && at_rest) ? &e : nullptr;
 }
 

@@ -47,7 +47,7 @@ std::optional<size_t> DeskHistory::draw(const ActHistory& acts, const FrameRect&
             ? w("{}. {}, {:.0f} s (undone)", i, w.said(all[size_t(i) - 1].text), all[size_t(i) - 1].t_s)
             : w("{}. {}, {:.0f} s", i, w.said(all[size_t(i) - 1].text), all[size_t(i) - 1].t_s));
     ImDrawList& d = *ImGui::GetWindowDrawList();
-    void* const shown = i > 0 ? picture(all[size_t(i) - 1]) : nullptr;
+    void* const shown = picture(i > 0 ? all[size_t(i) - 1] : acts.start());
     const ImVec2 to(from.x + size.x, from.y + size.y);
     const bool undone = size_t(i) > acts.standing();
     if (shown)

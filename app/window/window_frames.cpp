@@ -416,7 +416,7 @@ struct WindowFrames::Impl {
     return out;
   }
 
-  void paint_patient(const RenderScene& now, int at_level, int width, int height) {
+  void paint_patient(const RenderScene& scene, int at_level, int width, int height) {
     const DeskStage g = stage(width, height);
     const auto placed = [&](const View& v) { return v.placed(g.u0, g.v0, g.u1, g.v1); };
     DrawOptions o = options(at_level, width, height);
@@ -434,16 +434,16 @@ struct WindowFrames::Impl {
       plain.colour_field = false;
       renderer->paint(then, std::span(&left, 1), plain);
       o.keep = true;
-      renderer->paint(now, std::span(&right, 1), o);
+      renderer->paint(scene, std::span(&right, 1), o);
     } else if (desk.state.stereo == Stereo::anaglyph) {
       const auto eyes = seen(g.aspect).stereo_pair(g.aspect, eyes_apart_mm());
-      renderer->paint_anaglyph(now, placed(eyes[0]), placed(eyes[1]), o);
+      renderer->paint_anaglyph(scene, placed(eyes[0]), placed(eyes[1]), o);
     } else if (desk.state.stereo == Stereo::side_by_side) {
       std::vector<View> eyes = seen(0.5 * g.aspect).stereo_side_by_side(g.aspect, eyes_apart_mm());
       for (View& v : eyes) v = placed(v);
-      renderer->paint(now, eyes, o);
+      renderer->paint(scene, eyes, o);
     } else {
-      renderer->paint(now, std::span(&whole, 1), o);
+      renderer->paint(scene, std::span(&whole, 1), o);
     }
   }
 
@@ -638,9 +638,9 @@ struct WindowFrames::Impl {
   /// The whole frame, some times a second while somebody wears the headset.
   void show_on_tablet() {
     constexpr std::chrono::milliseconds kEvery{150};
-    const auto now = std::chrono::steady_clock::now();
-    if (!set.headset->worn || now - on_tablet < kEvery) return;
-    on_tablet = now;
+    const auto moment = std::chrono::steady_clock::now();
+    if (!set.headset->worn || moment - on_tablet < kEvery) return;
+    on_tablet = moment;
     set.headset->tablet.show(std::make_shared<const Image>(renderer->read()));
   }
 

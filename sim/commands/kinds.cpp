@@ -16,6 +16,11 @@ bool sews(const Command& command) {
   });
 }
 
+bool is_of_hooks(const Command& command) {
+  return std::holds_alternative<SetHook>(command) || std::holds_alternative<MoveHook>(command) ||
+         std::holds_alternative<ReleaseHook>(command);
+}
+
 bool looks_back(const Command& command) {
   return visit_act(command, []<class C>(const C&) {
     return requires { requires Act<C>::looks_back; };

@@ -8,6 +8,8 @@ namespace limberg {
 bool cuts_skin(const Command& command);
 /// It ties stitches.
 bool sews(const Command& command);
+/// It sets, moves or releases a hook.
+bool is_of_hooks(const Command& command);
 /// What it does hangs on the order of the acts before it: it takes one back, or names stitches by their numbers.
 bool looks_back(const Command& command);
 /// It changes nothing in the patient: a stage, a wait.

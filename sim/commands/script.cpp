@@ -59,7 +59,7 @@ Script load_script(const std::string& path) {
 }
 
 std::string to_json_line(const ScriptHeader& h) {
-  Json j;
+  Json j = Json::object();  // not made by its first entry: short of memory that would end in a crash
   j["limberg_script"] = ScriptHeader::version;
   j["scene"] = h.scene;
   if (!h.note.empty()) j["note"] = h.note;

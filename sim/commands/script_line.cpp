@@ -119,7 +119,7 @@ Json json_of(const std::vector<P>& path) {
 
 /// Writes a command's fields into a line.
 struct LineWriter {
-  Json line;
+  Json line = Json::object();
   std::span<const double> z{};  // of an act in space: what is beside x and y, from here on
   bool in_space = false;
 

@@ -39,7 +39,10 @@ struct Session {
   }
   std::string act(const Command& c) {
     const size_t before = coach.said().size();
-    notice(std::holds_alternative<Undo>(c) ? Notice::undone : Notice::done, c);
+    notice(std::holds_alternative<Undo>(c)   ? Notice::undone
+           : std::holds_alternative<Redo>(c) ? Notice::redone
+                                             : Notice::done,
+           c);
     std::string words;
     for (size_t i = before; i < coach.said().size(); ++i) words += coach.said()[i].word;
     return words;
@@ -223,6 +226,37 @@ TEST(Coach, AnExaminationSaysNothingOfThePlanAndShowsNothing) {
   m.tool = int32_t(Tool::scalpel);
   s.coach.missed(m, Snapshot{});
   EXPECT_SAYS(s.coach.says().word, "beside the patient");  // why a press did nothing is said all the same
+}
+
+// Which of two hooks goes first is of no weight; a hook before a cut is.
+TEST(Coach, HooksGoInAnyOrderAmongThemselves) {
+  Session s("zplasty");
+  size_t i = 0;
+  for (; !is_of_hooks(s.planned(i)); ++i) s.act(s.planned(i));
+  size_t last = i;
+  while (is_of_hooks(s.planned(last + 1))) ++last;
+  ASSERT_GT(s.coach.plan().acts[last].step, s.coach.plan().acts[i].step);
+  EXPECT_EQ(s.act(s.planned(i)).find("Out of order"), std::string::npos);
+  EXPECT_EQ(s.act(s.planned(last)).find("Out of order"), std::string::npos);
+  Session early("zplasty");
+  EXPECT_SAYS(early.act(s.planned(last)), "Out of order");
+}
+
+// Who looks back in the history and comes forth again has taken nothing back.
+TEST(Coach, WhatIsDoneAgainWasNotTakenBack) {
+  const auto taken_back = [](const Session& s) -> std::string {
+    for (const auto& r : s.coach.present().rows)
+      if (r.what == words_of_tolerance("undos")) return r.value.substr(0, r.value.find(','));
+    return "";
+  };
+  Session s("rhomboid");
+  s.act(s.planned(0)), s.act(s.planned(1));
+  s.act(Undo{}), s.act(Undo{});
+  EXPECT_EQ(taken_back(s), "2");
+  s.act(Redo{}), s.act(Redo{});
+  EXPECT_EQ(taken_back(s), "0");
+  s.act(Undo{});
+  EXPECT_EQ(taken_back(s), "1");
 }
 
 TEST(Coach, WhatIsShownIsMarkedAndNotJudged) {

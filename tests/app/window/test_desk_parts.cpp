@@ -47,6 +47,8 @@ TEST(ActHistory, PiecesOfAStrokeAreOneAct) {
 
 TEST(ActHistory, WantsAPictureAtOnceAndOneAtRest) {
   ActHistory h;
+  ASSERT_EQ(h.unseen(true), &h.start());  // before the first act too
+  h.unseen(true)->taken = 2;
   EXPECT_EQ(h.unseen(true), nullptr);
   h.hear(of(Notice::done, Incise{}));
   ASSERT_NE(h.unseen(false), nullptr);
