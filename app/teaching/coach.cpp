@@ -243,7 +243,14 @@ void Coach::judge_newest(bool hangs_together) {
     }
   if (const int act = attempt_at(progress_, newest); act >= 0) {
     const std::string order = out_of_order(size_t(act)), off = gentle_word(progress_.act[size_t(act)].offs);
-    const std::string back = is_undoable(c) ? take_back : w("Take its handle and carry it on.");
+    const auto *planned = std::get_if<Incise>(&plan_.acts[size_t(act)].command), *drawn = std::get_if<Incise>(&c);
+    const Offs& offs = progress_.act[size_t(act)].offs;
+    const bool goes_on =
+        planned && drawn && !within(offs) && offs.front().kind == Off::length &&
+        path_length(drawn_for(progress_.act[size_t(act)], standing_)->path) < path_length(planned->path);
+    const std::string back = goes_on          ? w("Go on from where it ends; or Ctrl+Z takes it back.")
+                             : is_undoable(c) ? take_back
+                                              : w("Take its handle and carry it on.");
     if (!off.empty()) return say(off + (order.empty() ? "" : " " + order) + " " + back);
     if (!order.empty()) return say(order + " " + take_back);
     if (hangs_together)
@@ -428,7 +435,7 @@ Attempt Coach::present() const {
         row.share = p.offs.front().share(), row.value = lower(gentle_word(p.offs), w);
       if (const std::string off = gentle_word(p.offs); !off.empty())
         better.emplace_back(p.offs.front().share(), w("\"{}\": {}.", t.name, lower(off, w)));
-      if (const auto line = drawn_line(standing_[p.by].command);
+      if (const auto line = drawn_for(p, standing_);
           line && !std::holds_alternative<Undermine>(standing_[p.by].command))
         a.cuts.push_back(*line);
     }

@@ -30,6 +30,54 @@ std::optional<Suture> stitch_of(const Command& c) {
   return std::nullopt;
 }
 
+/// Whether much of a stroke runs along another one: it was cut again there, not gone on with.
+bool runs_along(const std::vector<ChartPoint>& stroke, const std::vector<ChartPoint>& other) {
+  constexpr double kBeside_mm = 2, kMuch = 0.5;
+  double along_mm = 0;
+  for (size_t k = 1; k < stroke.size(); ++k)
+    if (distance_to_line(other, false, 0.5 * (stroke[k - 1] + stroke[k])) < kBeside_mm)
+      along_mm += (stroke[k] - stroke[k - 1]).norm();
+  return along_mm > kMuch * std::min(path_length(stroke), path_length(other));
+}
+
+/// Two strokes that meet at their ends, as one; nothing: they do not.
+std::optional<Incise> gone_on(const Incise& first, const Incise& then) {
+  constexpr double kMeet_mm = 4;
+  if (first.path.empty() || then.path.empty() || runs_along(then.path, first.path)) return std::nullopt;
+  std::optional<Incise> whole;
+  double nearest_mm = kMeet_mm;
+  for (const bool from_front : {false, true})
+    for (const bool to_back : {false, true}) {
+      const ChartPoint &end = from_front ? first.path.front() : first.path.back(),
+                       &begin = to_back ? then.path.back() : then.path.front();
+      if ((begin - end).norm() > nearest_mm) continue;
+      nearest_mm = (begin - end).norm(), whole = first;
+      if (from_front) std::reverse(whole->path.begin(), whole->path.end());
+      std::vector<ChartPoint> more = then.path;
+      if (to_back) std::reverse(more.begin(), more.end());
+      whole->path.insert(whole->path.end(), more.begin(), more.end());
+      whole->depth_mm = std::max(first.depth_mm, then.depth_mm), whole->angle_deg = then.angle_deg;
+    }
+  return whole;
+}
+
+/// A stroke that goes on where one ended that was too short. True: it is better with it.
+bool goes_on(const LessonPlan& plan, const std::vector<StandingAct>& standing, size_t s, double than, PlanProgress& p) {
+  const auto* then = std::get_if<Incise>(&standing[s].command);
+  for (size_t i = 0; then && i < plan.acts.size(); ++i) {
+    ActProgress& a = p.act[i];
+    if (a.state != ActProgress::done || a.shown || within(a.offs)) continue;
+    const auto* first = a.joined ? &*a.joined : std::get_if<Incise>(&standing[a.by].command);
+    const std::optional<Incise> whole = first ? gone_on(*first, *then) : std::nullopt;
+    auto offs = whole ? against(plan, plan.acts[i], *whole) : std::nullopt;
+    if (!offs || worst(*offs) >= std::min(than, worst(a.offs))) continue;
+    a.before.push_back(a.by);
+    a.by = s, a.shown = standing[s].shown, a.offs = std::move(*offs), a.joined = *whole;
+    return true;
+  }
+  return false;
+}
+
 /// Whether single stitches do what a planned row does; those that do are marked as used.
 bool sewn_singly(const SutureRow& row, const std::vector<StandingAct>& standing, std::vector<char>& used,
                  ActProgress& p) {
@@ -129,7 +177,7 @@ Laid laid(const LessonPlan& plan, const PlanProgress& progress, const std::vecto
   for (size_t i = 0; i < plan.acts.size(); ++i) {
     const ActProgress& p = progress.act[i];
     if (p.state != ActProgress::done || std::holds_alternative<Undermine>(plan.acts[i].command)) continue;
-    const auto want = drawn_line(plan.acts[i].command), got = drawn_line(standing[p.by].command);
+    const auto want = drawn_line(plan.acts[i].command), got = drawn_for(p, standing);
     if (!want || !got) continue;
     const std::vector<ChartPoint> drawn = corners_of(*got);
     for (const ChartPoint& c : corners_of(*want)) {
@@ -178,10 +226,15 @@ PlanProgress progress_of(const LessonPlan& plan, const std::vector<StandingAct>&
       if (!offs || (mends && !within(*offs)) || (best >= 0 && worst(*offs) >= worst(best_offs))) continue;
       best = int(i), best_offs = std::move(*offs);
     }
+    if (goes_on(plan, standing, s, best < 0 ? 1e9 : worst(best_offs), p)) {
+      used[s] = 1;
+      continue;
+    }
     if (best < 0) continue;
     ActProgress& a = p.act[size_t(best)];
     if (a.state == ActProgress::done) used[a.by] = 0;
-    a.state = ActProgress::done, a.by = s, a.shown = standing[s].shown, a.offs = std::move(best_offs);
+    for (const size_t k : a.before) used[k] = 0;
+    a = {ActProgress::done, standing[s].shown, s, std::move(best_offs), {}, {}};
     used[s] = 1;
   }
   for (size_t i = 0; i < plan.acts.size(); ++i)
@@ -212,6 +265,10 @@ PlanProgress progress_of(const LessonPlan& plan, const std::vector<StandingAct>&
   return p;
 }
 
+std::optional<DrawnLine> drawn_for(const ActProgress& act, const std::vector<StandingAct>& standing) {
+  return drawn_line(act.joined ? Command(*act.joined) : standing[act.by].command);
+}
+
 int attempt_at(const PlanProgress& p, size_t standing) {
   for (size_t i = 0; i < p.act.size(); ++i)
     if (p.act[i].state == ActProgress::done && p.act[i].by == standing) return int(i);
@@ -225,7 +282,7 @@ int undos_to_plan(const LessonPlan& plan, const std::vector<StandingAct>& standi
   for (const SawnPart& part : p.part) first = std::min(first, part.standing);  // what is shown cuts it anew
   for (const ActProgress& a : p.act)
     if (a.state == ActProgress::done && !a.shown && worst(a.offs) > kMuchTooFar && is_undoable(standing[a.by].command))
-      first = std::min(first, a.by);
+      first = std::min(first, a.before.empty() ? a.by : a.before.front());
   int undos = 0;
   for (size_t s = first; s < standing.size(); ++s) undos += is_undoable(standing[s].command);
   return undos;

@@ -3,9 +3,10 @@
 // and what belongs to no plan.
 //
 // Each act that stands is the attempt at the planned act that it fits best. Hooks are means: their planned acts count
-// as passed over once a later cut or stitch of the plan is done. A row of stitches may be sewn stitch by stitch, a bone
-// sawn through by several lines.
+// as passed over once a later cut or stitch of the plan is done. A row of stitches may be sewn stitch by stitch, a line
+// cut in several strokes, a bone sawn through by several lines.
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "app/teaching/against_plan.h"
@@ -15,9 +16,11 @@ namespace limberg {
 
 struct ActProgress {
   enum State : uint8_t { open, done, passed } state = open;
-  bool shown = false;  // by the program
-  size_t by = 0;       // done: the act that stands
-  Offs offs;           // done: what was looked at
+  bool shown = false;            // by the program
+  size_t by = 0;                 // done: the act that stands, of a cut in several strokes the last
+  Offs offs;                     // done: what was looked at
+  std::vector<size_t> before;    // of a cut in several strokes: the others
+  std::optional<Incise> joined;  // and all of it
 };
 
 /// A line that a hand sawed along a part of a planned cut.
@@ -38,6 +41,8 @@ struct PlanProgress {
 };
 PlanProgress progress_of(const LessonPlan& plan, const std::vector<StandingAct>& standing);
 
+/// What was drawn for a planned act that is done, as one line; nothing: it is not drawn.
+std::optional<DrawnLine> drawn_for(const ActProgress& act, const std::vector<StandingAct>& standing);
 /// The planned act that this one is an attempt at; -1: none.
 int attempt_at(const PlanProgress& progress, size_t standing);
 

@@ -105,7 +105,6 @@ float DeskLesson::next_step(const Coach& c, float x, float y, float width, float
         ImGui::TextWrapped("%s", says.question->answers[i].c_str());
         ImGui::PopID();
       }
-      text(ink::quiet(), w("Then: {}", says.say));
     } else {
       if (!says.answer.empty())
         ImGui::TextColored(says.answer_right ? ink::good() : ink::warn(), "%s", says.answer.c_str());

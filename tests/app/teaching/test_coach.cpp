@@ -444,6 +444,32 @@ TEST(Coach, ASecondCutMayMendTheFirst) {
   EXPECT_EQ(s.coach.progress().stray.size(), 2u) << "the others are of no plan";
 }
 
+// A line that stops short is gone on with, from either of its ends, in either direction.
+TEST(Coach, ALineMayBeCutInSeveralStrokes) {
+  const ChartPoint d(0, 0), e(17.321, -10), f(0, -20);
+  for (const bool from_the_end : {false, true}) {
+    Session s("rhomboid");
+    s.act(s.planned(0));
+    const std::vector<std::vector<ChartPoint>> strokes =
+        from_the_end ? std::vector<std::vector<ChartPoint>>{{e, f}, {e + ChartPoint(.5, .5), 0.5 * e}, {d, 0.5 * e}}
+                     : std::vector<std::vector<ChartPoint>>{{d, 0.5 * e}, {0.5 * e, e}, {f, e}};
+    EXPECT_SAYS(s.act(Incise{strokes[0], 4, 90, false}), "too short");
+    const std::string second = s.act(Incise{strokes[1], 4, 90, false});
+    EXPECT_SAYS(second, "too short");
+    EXPECT_SAYS(second, "Go on from where it ends");
+    EXPECT_EQ(s.coach.says().steps[1].state, StepSeen::off);
+    EXPECT_SAYS(s.act(Incise{strokes[2], 4, 90, false}), "As planned");
+    EXPECT_EQ(s.coach.says().steps[1].state, StepSeen::done);
+    EXPECT_TRUE(s.coach.progress().stray.empty());
+    ASSERT_EQ(s.coach.present().cuts.size(), 2u);
+    EXPECT_NEAR(path_length(s.coach.present().cuts[1].path), 40, 1.5);
+    s.act(Undo{});
+    EXPECT_EQ(s.coach.says().steps[1].state, StepSeen::off);
+    EXPECT_EQ(s.coach.showing(true).undos, 2) << "both strokes of what is too short";
+    EXPECT_SAYS(s.act(Incise{{{-60, 40}, {-40, 40}}, 4, 90, false}), "not in the plan");
+  }
+}
+
 TEST(LessonPlan, ARowAlongOneLineIsSaidSo) {
   const LessonPlan p = shipped("rhomboid");
   size_t rows = 0;

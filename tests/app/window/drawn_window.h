@@ -32,13 +32,13 @@ struct ShippedLesson {
   Lesson lesson;
   Scene scene;
   LessonPlan plan;
-  explicit ShippedLesson(const std::string& name)
+  explicit ShippedLesson(const std::string& name, const Words& words = {})
       : lesson(open_lesson(source_dir() + "/app/lessons/" + name + ".toml")),
         scene(load_scene(source_dir() + "/app/scenes/" + lesson.scene + ".toml")) {
     std::vector<Command> script;
     for (const ScriptLine& l : load_script(source_dir() + "/recordings/" + name + ".jsonl").lines)
       script.push_back(l.command);
-    plan = make_lesson_plan(&lesson, script);
+    plan = make_lesson_plan(&lesson, script, words);
   }
 };
 
