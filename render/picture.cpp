@@ -101,7 +101,11 @@ struct PictureMaker::Impl {
 
   double aspect() const { return double(width) / height; }
 
-  void look_at_snapshot(const Snapshot& snapshot) { camera = camera_on_operated(snapshot, aspect()); }
+  void look(const Camera& from) {
+    if (!camera) builder.seen_from(from);  // the lamp stays where it is when the eye goes round
+    camera = from;
+  }
+  void look_at_snapshot(const Snapshot& snapshot) { look(camera_on_operated(snapshot, aspect())); }
 
   View view(const Snapshot& s) {
     if (!camera) look_at_snapshot(s);
@@ -122,7 +126,7 @@ PictureMaker::~PictureMaker() = default;
 PictureMaker::PictureMaker(PictureMaker&&) noexcept = default;
 
 void PictureMaker::focus_from(const Snapshot& snapshot) { impl_->look_at_snapshot(snapshot); }
-void PictureMaker::set_camera(const Camera& camera) { impl_->camera = camera; }
+void PictureMaker::set_camera(const Camera& camera) { impl_->look(camera); }
 const Camera& PictureMaker::camera() const {
   static const Camera unset{};
   return impl_->camera ? *impl_->camera : unset;

@@ -106,6 +106,11 @@ void SceneBuilder::show_beds(const Snapshot& snapshot) {
     scene_.lines.add(snapshot.x_mm[size_t(i)], snapshot.x_mm[size_t(j)], Vec3f(0.9f, 0.75f, 0.55f));
 }
 
+void SceneBuilder::seen_from(const Camera& camera) {
+  towards_eye_ = camera.eye_mm - camera.target_mm;
+  whole_ = nullptr;
+}
+
 const RenderScene& SceneBuilder::build(const Snapshot& snapshot, const ToolPose& tool, bool strands) {
   RenderScene& scene = scene_;
   scene.props.clear();
@@ -120,7 +125,7 @@ const RenderScene& SceneBuilder::build(const Snapshot& snapshot, const ToolPose&
   const SurfaceTopology& topology = *snapshot.topology;
   if (!whole_ || whole_->version != topology.version || whole_->hash != topology.hash ||
       whole_->vertices_of_view != topology.view.X_mm.size())
-    whole_ = std::make_shared<TissueMesh>(make_tissue_mesh(topology)), bared_ = nullptr;
+    whole_ = std::make_shared<TissueMesh>(make_tissue_mesh(topology, towards_eye_)), bared_ = nullptr;
   scene.mesh = whole_;
   const TissueMesh& mesh = *scene.mesh;
 

@@ -10,6 +10,7 @@
 
 #include "render/props.h"
 #include "render/tool_pose.h"
+#include "render/view.h"
 #include "sim/patient/snapshot.h"
 
 namespace limberg {
@@ -29,8 +30,8 @@ enum class Part : uint8_t {
 };
 inline constexpr size_t kParts = 10;
 
-/// Towards the lamp, where x is right, y up and z the way that what is operated on faces: the skin beside cuts, before
-/// there are any the chart; of bones, their own axes.
+/// Towards the lamp, where x is right, y up and z the way that what is operated on faces: the skin beside cuts; before
+/// there are any the chart, or the eye where it looks on the side of a body; of bones, their own axes.
 inline const Vec3f kLamp = Vec3f(-0.62f, 0.44f, 0.65f).normalized();
 
 /// The constant half of the tissue's surface. A surface vertex is doubled where shading must not be smooth: between
@@ -83,6 +84,8 @@ struct RenderScene {
 
 class SceneBuilder {
  public:
+  /// From where the patient is looked at first: the lamp follows before anything is cut. Not called: the chart's side.
+  void seen_from(const Camera& camera);
   /// The scene of a snapshot; valid until the next call. A snapshot without topology gives an empty scene.
   /// `strands`: the tissue between face and bone as a net.
   const RenderScene& build(const Snapshot& snapshot, const ToolPose& tool = {}, bool strands = false);
@@ -102,11 +105,12 @@ class SceneBuilder {
   RenderScene scene_;
   std::shared_ptr<const Body> against_of_;  // whose colliders these are
   PropMesh against_;
+  Vec3f towards_eye_ = Vec3f::Zero();
   std::shared_ptr<const TissueMesh> whole_, bared_;  // of one topology; bared_: null until it is wanted
 };
 
-/// The constant half, for a topology.
-TissueMesh make_tissue_mesh(const SurfaceTopology& topology);
+/// The constant half, for a topology. `towards_eye`: from where it is looked at first; zero: not known.
+TissueMesh make_tissue_mesh(const SurfaceTopology& topology, const Vec3f& towards_eye = Vec3f::Zero());
 
 /// The same vertices without the triangles of what was raised from its bed: skin under which, seen along the chart's
 /// normal, a cut face looks away from the skin, and the walls of that. O(triangles)

@@ -89,8 +89,15 @@ void measure_rim(const SurfaceView& view, TissueMesh& mesh, Part part, const std
   }
 }
 
-/// The way that skin beside cuts faces at rest, in steps of some degrees: a lamp is not moved for every cut. None where
-/// it faces every way, as that of a lip that is cut through does.
+/// In steps of some degrees: a lamp is not moved for every cut.
+Vec3 rounded(const Vec3& direction) {
+  constexpr double kStep = 0.2;
+  const Vec3 round = (direction.normalized() / kStep).array().round() * kStep;
+  return round.normalized();
+}
+
+/// The way that skin beside cuts faces at rest. None where it faces every way, as that of a lip that is cut through
+/// does.
 std::optional<Vec3> wound_normal(const SurfaceView& view) {
   Vec3 sum = Vec3::Zero();
   double count = 0;
@@ -100,10 +107,16 @@ std::optional<Vec3> wound_normal(const SurfaceView& view) {
     sum += area_vector2(view.X_mm[size_t(c[0])], view.X_mm[size_t(c[1])], view.X_mm[size_t(c[2])]).normalized();
     ++count;
   }
-  constexpr double kStep = 0.2, kAgree = 0.7;
+  constexpr double kAgree = 0.7;
   if (!(count > 0 && sum.norm() > kAgree * count)) return std::nullopt;
-  const Vec3 rounded = (sum.normalized() / kStep).array().round() * kStep;
-  return rounded.normalized();
+  return rounded(sum);
+}
+
+/// The way that what will be operated on faces, while nothing is cut: of a cheek that is looked at, not the face's own.
+Vec3 side_seen(const Body& body, const Vec3& towards_eye) {
+  constexpr double kAside = 0.7;  // cosine: more than 45 degrees
+  const bool aside = towards_eye.norm() > 0 && towards_eye.normalized().dot(body.chart_normal()) < kAside;
+  return aside && !body.is_box ? rounded(towards_eye) : body.chart_normal();
 }
 
 Vec3f lamp_over(const Body& body, const Vec3& normal) {
@@ -117,7 +130,7 @@ Vec3f lamp_over(const Body& body, const Vec3& normal) {
 
 }  // namespace
 
-TissueMesh make_tissue_mesh(const SurfaceTopology& topology) {
+TissueMesh make_tissue_mesh(const SurfaceTopology& topology, const Vec3f& towards_eye) {
   const SurfaceView& view = topology.view;
   const SharedArray<float>& depth = topology.layers_mm.get();
   TissueMesh mesh;
@@ -127,7 +140,7 @@ TissueMesh make_tissue_mesh(const SurfaceTopology& topology) {
   if (topology.body) {
     const Body& body = *topology.body;
     mesh.layers = body.layers;
-    mesh.lamp = lamp_over(body, wound_normal(view).value_or(body.chart_normal()));
+    mesh.lamp = lamp_over(body, wound_normal(view).value_or(side_seen(body, towards_eye.cast<double>())));
     const Eigen::Vector2d along(body.tension_direction.dot(body.chart_e1), body.tension_direction.dot(body.chart_e2));
     if (along.norm() > 1e-3) mesh.tension_chart = along.normalized().cast<float>();
   }

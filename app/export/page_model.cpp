@@ -369,7 +369,7 @@ std::string PageModel::bytes(const std::string& title, const Camera& camera, dou
   Vec3f operated_low = low.cast<float>(), operated_high = high.cast<float>();
   operated_box(frames_.back().shown, operated_low, operated_high);
   const auto mesh_of = [&](const SurfaceTopology& t) {
-    TissueMesh mesh = make_tissue_mesh(t);
+    TissueMesh mesh = make_tissue_mesh(t, camera.eye_mm - camera.target_mm);
     return std::make_shared<TissueMesh>(t.body ? coarser_away(mesh, operated_low, operated_high) : std::move(mesh));
   };
   std::vector<PageShape> shapes;

@@ -59,6 +59,7 @@ void Eyes::put(const RoomPose& head) {
   if (placed_) return;
   constexpr double kTabletAspect = 16. / 9;
   patient_ = PatientPlace::before(head, floor_, shared_.camera, set_.room);
+  builder_.seen_from(shared_.camera);
   const double aspect =
       on_tablet_ && on_tablet_->height > 0 ? double(on_tablet_->width) / on_tablet_->height : kTabletAspect;
   tablet_ = tablet_place(patient_, head, aspect);

@@ -252,7 +252,8 @@ void Coach::judge_newest(bool hangs_together) {
                              : is_undoable(c) ? take_back
                                               : w("Take its handle and carry it on.");
     if (!off.empty()) return say(off + (order.empty() ? "" : " " + order) + " " + back);
-    if (!order.empty()) return say(order + " " + take_back);
+    if (!order.empty())
+      return say(order + " " + (is_undoable(c) ? take_back : w("Take its handle and carry it back.")));
     if (hangs_together)
       return say(w("All along the line, but the bone still hangs together: look behind, and inside. ") + take_back);
     return say(is_undoable(c) ? w("As planned.") : "", true);

@@ -104,6 +104,7 @@ struct WindowFrames::Impl {
 
   Impl(HandFeed& f, const LaneGauges* g, WindowSettings s)
       : feed(f), gauges(g), set(std::move(s)), desk(set.facts), camera(set.camera) {
+    builder.seen_from(camera), before_builder.seen_from(camera);
     if (set.lesson) coach.emplace(std::move(*set.lesson), set.mode);
     remember();
     desk.state.tension_lines = coach && coach->mode() == LessonMode::guided && set.facts.skin && !set.facts.head;

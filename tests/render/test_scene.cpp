@@ -543,7 +543,7 @@ TEST(TissueMesh, BoneKnowsHowFarItIsFromTheSaw) {
 
 // The lamp stands over the upper left of what is operated on, whichever way that faces.
 TEST(Scene, TheLampLooksAtTheWound) {
-  const auto lamp = [](const Vec3& out, const Vec3& up, bool cut) {
+  const auto lamp = [](const Vec3& out, const Vec3& up, bool cut, const Vec3f& towards_eye = Vec3f::Zero()) {
     SurfaceTopology top;
     auto body = std::make_shared<Body>();
     body->chart_e1 = Vec3::UnitX(), body->chart_e2 = Vec3::UnitY();
@@ -553,10 +553,14 @@ TEST(Scene, TheLampLooksAtTheWound) {
     top.view.tri.push_back({0, 1, 2}), top.view.kind.push_back(FaceKind::skin);
     top.view.rim.push_back(cut ? 1 : 0);
     top.depth_mm = top.layers_mm = SharedArray<float>(3, 0);
-    return make_tissue_mesh(top).lamp;
+    return make_tissue_mesh(top, towards_eye).lamp;
   };
   EXPECT_LT((lamp(Vec3::UnitZ(), Vec3::UnitY(), true) - kLamp).norm(), 1e-6f);
   EXPECT_LT((lamp(Vec3::UnitX(), Vec3::UnitY(), false) - kLamp).norm(), 1e-6f);  // nothing is cut yet
+  // A cheek that is looked at from its side, and is not cut yet, does not lie in the shadow of its face.
+  EXPECT_LT((lamp(Vec3::UnitZ(), Vec3::UnitY(), false, {0.5f, 0, 1}) - kLamp).norm(), 1e-6f);
+  EXPECT_NEAR(lamp(Vec3::UnitZ(), Vec3::UnitY(), false, {300, 0, 0}).x(), kLamp.z(), 1e-6f);
+  EXPECT_LT((lamp(Vec3::UnitZ(), Vec3::UnitY(), true, {300, 0, 0}) - kLamp).norm(), 1e-6f);
   for (const Vec3& out : {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 0, -1)}) {
     const Vec3f at = lamp(out, Vec3::UnitY(), true);
     EXPECT_NEAR(at.dot(out.cast<float>()), kLamp.z(), 1e-6f);
