@@ -114,7 +114,7 @@ std::optional<Vec3> wound_normal(const SurfaceView& view) {
 
 /// The way that what will be operated on faces, while nothing is cut: of a cheek that is looked at, not the face's own.
 Vec3 side_seen(const Body& body, const Vec3& towards_eye) {
-  constexpr double kAside = 0.7;  // cosine: more than 45 degrees
+  constexpr double kAside = 0.94;  // cosine: more than 20 degrees
   const bool aside = towards_eye.norm() > 0 && towards_eye.normalized().dot(body.chart_normal()) < kAside;
   return aside && !body.is_box ? rounded(towards_eye) : body.chart_normal();
 }

@@ -14,7 +14,7 @@ struct Notice {
   int32_t kind = done;
   double t_s = 0;                 // session time
   std::array<char, 24> action{};  // as in a script: "incise"
-  std::array<char, 168>
+  std::array<char, 232>
       text{};  // done: the act in a few words; refused, dropped: why. Ends with a zero, cut short where it is longer
   int32_t freed = -1;  // done, a cut of bone: so many pieces came free by it, 0: it hangs together; -1: another act
   std::shared_ptr<const Command> command;  // what was done or refused; of undo and redo these

@@ -40,7 +40,8 @@ void Desk::notice(const Notice& n) {
   if (!notices_.empty() && n.kind == Notice::done && stroke(n) > 0 && stroke(n) == stroke(notices_.back().notice))
     return;
   const Words& w = facts_.w;
-  std::string text = w.said(n.text.data());
+  const auto* stage = n.command ? std::get_if<Stage>(n.command.get()) : nullptr;
+  std::string text = stage ? w("stage: {}", w(stage->name)) : w.said(n.text.data());
   if (shown_ && n.kind == Notice::done) text = w("shown: {}", text);
   if (n.kind == Notice::refused) text = w("{} refused: {}", w(n.action.data()), text);
   notices_.push_back({n, text});

@@ -79,7 +79,9 @@ void DeskTour::draw(const DeskLayout& l, std::vector<FrameRect>& covered, const 
   text(ink::quiet(), w("A tour of one minute, {} of {}", card_, int(kCards)));
   text(ink::hint(), w(c.title));
   wrapped(w(c.words));
+  ImGui::PushTextWrapPos(0);
   if (*c.ask) text(praises() ? ink::good() : ink::warn(), praises() ? w("Done.") : w(c.ask));
+  ImGui::PopTextWrapPos();
   ImGui::Spacing();
   if (button(w, "Skip  Esc")) end();
   ImGui::SameLine();

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <map>
+#include <regex>
 
 #include "app/program/places.h"
 #include "app/words/chosen_words.h"
@@ -59,6 +61,38 @@ TEST(Texts, MarksAreFound) {
   EXPECT_EQ(all[3].text, "Press");
   EXPECT_EQ(all[4].text, "a \"quote\" and \u00b0");
   EXPECT_EQ(all[5].text + all[6].text, "yesno");
+}
+
+/// The reasons in a source of sim/ that stand there as one text, without figures.
+std::vector<std::string> whole_reasons(const std::string& source) {
+  static const std::regex reason(
+      R"re((?:refused?\(|fail\(refused, |return \{false,\s*)((?:"(?:[^"\\]|\\.)*"\s*)+)[)}])re");
+  static const std::regex piece(R"re("((?:[^"\\]|\\.)*)")re");
+  std::vector<std::string> all;
+  for (std::sregex_iterator m(source.begin(), source.end(), reason), end; m != end; ++m) {
+    const std::string texts = (*m)[1];
+    std::string whole;
+    for (std::sregex_iterator t(texts.begin(), texts.end(), piece); t != end; ++t) whole += (*t)[1];
+    if (whole.find('\\') == std::string::npos) all.push_back(whole);
+  }
+  return all;
+}
+
+// Why a cut, a hook, a stitch or an act on bone was refused is said in the reader's language (patient_texts.h).
+TEST(Texts, NoWholeReasonOfARefusalStaysEnglish) {
+  EXPECT_EQ(whole_reasons("x = refuse(\"one \"\n \"text\"); fail(refused, \"two\"); return {false, \"three\"};").size(),
+            3u);
+  const Words de = chosen_words({"de", ""});
+  size_t found = 0;
+  for (const char* part : {"cutting", "patient", "skull/bone"})
+    for (const auto& f : std::filesystem::recursive_directory_iterator(source_dir() + "/sim/" + part)) {
+      if (f.path().extension() != ".cpp") continue;
+      for (const std::string& reason : whole_reasons(read_whole_file(f.path().string()))) {
+        ++found;
+        EXPECT_NE(de.said(reason), reason) << f.path() << ": not in patient_texts.h";
+      }
+    }
+  EXPECT_GT(found, 40u);
 }
 
 TEST(Texts, TheViewerOfThePageSaysNoOtherThanThoseThatItIsGiven) {
