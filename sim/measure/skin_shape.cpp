@@ -185,13 +185,17 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
     for (const Rim& o : rim) {
       if (r.piece >= 0 && o.piece == r.piece) continue;
       if ((0.5 * (o.p + o.q) - m).norm() - 0.5 * (o.q - o.p).norm() > best) continue;
-      if (o.loop == r.loop && o.out.dot(r.out) >= 0) {
+      const Vec3 D = o.rest_middle - r.rest_middle;
+      // Round the end of a cut the other bank is near along the edge. A crumpled triangle there may turn its edge any
+      // way: what lay before this edge at rest, and looked at it, is still the other bank.
+      const bool faced =
+          o.rest_out.dot(r.rest_out) < 0 && D.dot(r.rest_out) > -kSame_mm && D.dot(o.rest_out) < kSame_mm;
+      if (o.loop == r.loop && o.out.dot(r.out) >= 0 && !faced) {
         const double along = std::abs(o.s - r.s);
         if (std::min(along, loop_length[size_t(r.loop)] - along) < kOwn_mm) continue;  // the same bank
       }
       // The other side of a flap's tip, or of a narrow strip, is no bank: at rest it lies behind one's back, with skin
       // between. (What lies there beyond a slit, as the other lip does at the mouth's corner, is one.)
-      const Vec3 D = o.rest_middle - r.rest_middle;
       if (D.norm() < kBehind_mm && -D.dot(r.rest_out) > std::max(kSame_mm, kBehindCos * D.norm()) &&
           skin_near(0.5 * (r.rest_middle + o.rest_middle), kStrip * D.norm()))
         continue;

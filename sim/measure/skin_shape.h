@@ -33,8 +33,8 @@ std::vector<Vec3> rim_mm(const SurfaceView& view);
 /// The open wound. A rim is an edge between skin and cut wall. From each rim point one looks
 /// away from its own skin, within 60 degrees of the direction across the edge: the gape
 /// there is the distance to the nearest other rim seen, or to any other rim nearer than 2 mm
-/// (banks that lie over one another). Own rim within 3 mm along the edge counts only where the
-/// edge has turned back, as round the end of a cut; what lay behind its skin within 3 mm at rest, with skin between,
+/// (banks that lie over one another). Own rim within 3 mm along the edge counts only where the edge has turned back,
+/// now or at rest, as round the end of a cut; what lay behind its skin within 3 mm at rest, with skin between,
 /// as the other side of a flap's tip, does not. A piece that nothing holds, and that comes
 /// no nearer than 2 mm to another edge, was taken out and does not count. A stretch of up to 1 mm between edges that
 /// are apposed is no farther from the other bank than these, and the way to them.

@@ -19,7 +19,7 @@ class Verdict : public ::testing::Test {
     b.layers = {{"skin", 1.5, {}}, {"fat", 8.5, {}}};
     body = make_block(b);
     m.gape.rim_length_mm = 80;
-    m.gape.gape_mm = m.wound_gape_mm = 0.8;
+    m.gape.gape_mm = m.wound_gape_mm = 0.4;
     m.gape.widest_mm = 1.2;
     m.scar_length_mm = 40;
     m.sutures.resize(2);
@@ -47,6 +47,18 @@ class Verdict : public ::testing::Test {
   double residual = 1e-6;
   int level = 0;
 };
+
+TEST_F(Verdict, AClosedWoundWhoseEdgesAreApartBetweenStitchesNeedsMoreOfThem) {
+  m.gape.gape_mm = 0.51, m.gape.gape_at_mm = Vec3(7, -3, 0);
+  const auto v = look();
+  EXPECT_FALSE(is_bad(v));
+  EXPECT_EQ(light(v, kClosedWhole), "good");
+  EXPECT_EQ(light(v, "edges apart between stitches"), "warn");
+  m.gape.gape_mm = 0.5;
+  EXPECT_EQ(light(look(), "edges apart between stitches"), "");
+  m.gape.gape_mm = 0.51, m.gape.open_mm = 1;  // not closed at all: that is said, and nothing about stitches
+  EXPECT_EQ(light(look(), "edges apart between stitches"), "");
+}
 
 TEST_F(Verdict, AWoundWhoseWholeEdgeIsClosedIsGoodAndOnlyThatIsClosed) {
   const auto v = look();

@@ -148,6 +148,20 @@ TEST(WoundGape, RoundTheEndsOfACutTheOtherBankIsSeen) {
   EXPECT_EQ(open.open_mm, 0);
 }
 
+// The last skin of one bank is crumpled, so that its edges look away from the other bank, which they lie at.
+TEST(WoundGape, RoundTheEndOfACutACrumpledEdgeStillSeesTheOtherBank) {
+  SurfaceView v = two_banks(20);
+  const auto half = int32_t(v.X_mm.size() / 2);
+  for (Tri& t : v.tri)
+    for (int32_t& i : t)
+      if (i == half + 1 || i == half + 3 * 20 + 1) i -= half;
+  auto x = deformed(v, [](const Vec3& X) { return X; });
+  for (const int32_t j : {0, 1, 2}) x[size_t(half + 3 * j)].x() = -1;  // behind the edge, on the other bank's side
+  EXPECT_LT(wound_gape(v, x).widest_mm, 1e-6);
+  for (const int32_t j : {1, 2}) x[size_t(half + 3 * j + 1)].x() += 0.8f;  // where it does open it is seen to
+  EXPECT_NEAR(wound_gape(v, x).widest_mm, 0.8, 0.05);
+}
+
 // A flap's tip of 30 degrees that lies far from its wound: what is behind its edge's back is no other bank.
 TEST(WoundGape, TheOtherSideOfATipIsNoBank) {
   SurfaceView v;
