@@ -106,10 +106,14 @@ std::optional<std::string> whole(const WordTable& table, std::string_view text, 
   return by_pattern(table, text, deep);
 }
 
-/// Sentence by sentence: "A. B." is what A and B are, each with its point or without.
+/// Sentence by sentence: "A. B." is what A and B are, each with its point or without. So is "A: B", an act and what is
+/// said of it.
 std::string told(const WordTable& table, std::string_view text, int deep) {
   if (text.empty()) return "";
   if (const auto all = whole(table, text, deep)) return *all;
+  if (const size_t end = text.find(": "); end != text.npos && deep <= kDeepest)
+    if (const auto act = whole(table, text.substr(0, end), deep))
+      return *act + ": " + told(table, text.substr(end + 2), deep);
   if (const size_t end = text.find(". "); end != text.npos && deep <= kDeepest) {
     const std::string_view first = text.substr(0, end + 1);
     return told(table, first, deep) + " " + told(table, text.substr(end + 2), deep);

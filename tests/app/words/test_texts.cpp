@@ -93,6 +93,9 @@ TEST(Texts, NoWholeReasonOfARefusalStaysEnglish) {
       }
     }
   EXPECT_GT(found, 40u);
+  EXPECT_EQ(
+      de.said("suture: one end goes through whole skin: no wound's edge lies within 2 mm of (-45.0, 7.5, -2.0) mm"),
+      "Naht: ein Ende geht durch ganze Haut: kein Wundrand liegt innerhalb von 2\u202fmm um (-45,0, 7,5, -2,0) mm");
 }
 
 TEST(Texts, TheViewerOfThePageSaysNoOtherThanThoseThatItIsGiven) {
