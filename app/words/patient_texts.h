@@ -243,6 +243,12 @@ inline constexpr const char* kPatientTexts[] = {
     english("there is no bone within 15 mm of that place; expected a place on a fragment as it was at first"),
     english("there is no bone; expected a place on bone"),
     english("there is no face; expected a head with one"),
+    english("soft tissue knows no such act; a cut, a hook or a stitch was expected"),
+    english("the same cut came out differently: a defect of the program"),
+    english("a place of the cut is not finite"),
+    english("a pose is a rotation and a finite translation"),
+    english("an end of the plate is not at a finite place"),
+    english("a place of the contour is not finite"),
     english("({}, {})"),
 };
 
