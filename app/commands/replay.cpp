@@ -15,7 +15,7 @@ namespace {
 
 struct ReplayOptions {
   std::string recording, scene, convergence, film, lesson;
-  int frames_per_s = 25;
+  int frames_per_s = 20;
   std::string film_size = "1280x720";
   bool film_fine = false;
   bool lockstep = false, real_time = false, even_clock = false;
@@ -99,7 +99,7 @@ void add_replay(CLI::App& app, Chosen& chosen) {
                     "Make a film, FILE.mp4 or FILE.webm, of the replay on its virtual clock (needs ffmpeg)")
           ->type_name("FILE")
           ->excludes(realtime);
-  c->add_option("--frames", o->frames_per_s, "Frames a second of the film (default 25)")
+  c->add_option("--frames", o->frames_per_s, "Frames a second of the film (default 20)")
       ->type_name("N")
       ->check(CLI::IsMember({10, 20, 25, 40, 50}))
       ->needs(film);

@@ -14,7 +14,7 @@ namespace limberg {
 
 struct FilmSettings {
   std::string file;  // .mp4 (H.264) or .webm (VP9)
-  int frames_per_s = 25;
+  int frames_per_s = 20;
   int width = 1280, height = 720;  // even
   Words w{};                       // of the titles
   bool fine = false;               // edges as smooth as those of the report's pictures: four samples a pixel
