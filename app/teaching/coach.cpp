@@ -242,13 +242,12 @@ void Coach::judge_newest(bool hangs_together) {
                  take_back);
     }
   if (const int act = attempt_at(progress_, newest); act >= 0) {
-    const std::string order = out_of_order(size_t(act)), off = gentle_word(progress_.act[size_t(act)].offs);
-    const auto *planned = std::get_if<Incise>(&plan_.acts[size_t(act)].command), *drawn = std::get_if<Incise>(&c);
-    const Offs& offs = progress_.act[size_t(act)].offs;
-    const bool goes_on =
-        planned && drawn && !within(offs) && offs.front().kind == Off::length &&
-        path_length(drawn_for(progress_.act[size_t(act)], standing_)->path) < path_length(planned->path);
-    const std::string back = goes_on          ? w("Go on from where it ends; or Ctrl+Z takes it back.")
+    const ActProgress& done = progress_.act[size_t(act)];
+    const std::string order = out_of_order(size_t(act)), off = gentle_word(done.offs);
+    const auto* line = std::get_if<Incise>(&plan_.acts[size_t(act)].command);
+    const bool stops_short = line && !within(done.offs) && done.offs.front().kind == Off::length &&
+                             path_length(drawn_for(done, standing_)->path) < path_length(line->path);
+    const std::string back = stops_short      ? w("Go on from where it ends; or Ctrl+Z takes it back.")
                              : is_undoable(c) ? take_back
                                               : w("Take its handle and carry it on.");
     if (!off.empty()) return say(off + (order.empty() ? "" : " " + order) + " " + back);

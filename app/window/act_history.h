@@ -25,7 +25,7 @@ class ActHistory {
   const std::vector<Entry>& entries() const { return entries_; }
   /// So many of the entries are done, the first; the others are undone.
   size_t standing() const { return standing_; }
-  /// The patient before the first act: number 0, no words.
+  /// The patient before the first entry: as the scene is, or after the act that the list forgot last.
   const Entry& start() const { return start_; }
   /// The entry that the patient shows now, if its picture is still wanted: a first one, and one at rest. Null: none.
   Entry* unseen(bool at_rest);

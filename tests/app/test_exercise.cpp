@@ -233,6 +233,15 @@ TEST(Exercise, StitchesAreThoseThatAreThere) {
   EXPECT_EQ(exercise({}, m, {}).stitches, 2);
 }
 
+// Who looks back in the history and comes forth again has taken nothing back.
+TEST(Exercise, WhatIsDoneAgainWasNotTakenBack) {
+  const Suture s{{0, 1}, {0, -1}};
+  const Exercise looked = exercise(std::vector<Command>{s, Undo{}, Redo{}, s}, {}, {});
+  EXPECT_EQ(looked.undos, 0);
+  EXPECT_EQ(looked.redos, 1);
+  EXPECT_EQ(exercise(std::vector<Command>{s, Undo{}, Redo{}, Undo{}}, {}, {}).undos, 1);
+}
+
 // What only a hand can miss is not held against a script that was carried out without one.
 TEST(Lesson, AScriptIsNotJudgedByTheHandsTolerances) {
   Lesson l = parse_lesson(kLesson, "l.toml");
