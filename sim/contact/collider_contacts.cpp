@@ -62,8 +62,8 @@ Vec3 displacement(const EmbeddedPoint& e, std::span<const Vec3f> u) {
 }  // namespace
 
 ColliderContacts::ColliderContacts(std::shared_ptr<const Body> body, const SurfaceView& view,
-                                   std::span<const EmbeddedPoint> embedding, const FemModel& model)
-    : body_(std::move(body)) {
+                                   std::span<const EmbeddedPoint> embedding, const FemModel& model, double friction)
+    : body_(std::move(body)), friction_{friction} {
   for (const auto& c : body_->colliders) patch_.emplace_back(c->mesh);
   if (patch_.empty()) return;
   std::vector<double> area(view.X_mm.size(), 0);  // of the free surface that each vertex stands for
@@ -100,7 +100,7 @@ void ColliderContacts::project(size_t i, const Vec3& x) {
   HeldByCollider& h = s.held;
   const double plane_mm = way.out.dot(way.foot_mm) - place_[i].deep_mm;
   if (!held) {
-    h = {int32_t(i), 0, Vec3::Zero(), way.out, plane_mm, x};
+    h = {int32_t(i), 0, Vec3::Zero(), way.out, plane_mm, x, {}};
     return;
   }
   const Vec3 slid = x - h.at_mm;
@@ -131,27 +131,37 @@ bool ColliderContacts::follow_place(size_t i, std::span<const Vec3f> u) {
   return held || s.holds;
 }
 
-bool ColliderContacts::follow(std::span<const Vec3f> u, Workers& workers) {
+Contact ColliderContacts::contact(size_t i) const {
+  const HeldByCollider& held = state_[i].held;
+  Contact c;
+  c.a = place_[i].embedded;
+  c.normal = held.normal.cast<float>().normalized();
+  c.gap_mm = float(held.plane_mm - constant::slack_mm);
+  c.soft_mm = float(constant::soft_mm);
+  c.k_N_per_mm = float(place_[i].k_N_per_mm);
+  if (friction_.coefficient > 0) take_grip(held.grip, friction_, c);
+  return c;
+}
+
+bool ColliderContacts::follow(std::span<const Vec3f> u, Workers& workers, bool step_begins) {
+  friction_.step_begins = step_begins;
   std::atomic<bool> changed = resumed_;
   resumed_ = false;
   constexpr size_t kGrain = 64;
   workers.parallel_for(place_.size(), kGrain, [&](size_t begin, size_t end) {
     bool any = false;
-    for (size_t i = begin; i < end; ++i) any |= follow_place(i, u);
+    for (size_t i = begin; i < end; ++i) {
+      any |= follow_place(i, u);
+      if (!(friction_.coefficient > 0) || !state_[i].holds) continue;
+      Contact now = contact(i);
+      any |= follow_grip(state_[i].held.grip, place_[i].X_mm + displacement(place_[i].embedded, u), friction_, now);
+    }
     if (any) changed.store(true, std::memory_order_relaxed);
   });
   if (!changed) return false;
   contacts_.clear();
-  for (size_t i = 0; i < place_.size(); ++i) {
-    if (!state_[i].holds) continue;
-    Contact c;
-    c.a = place_[i].embedded;
-    c.normal = state_[i].held.normal.cast<float>().normalized();
-    c.gap_mm = float(state_[i].held.plane_mm - constant::slack_mm);
-    c.soft_mm = float(constant::soft_mm);
-    c.k_N_per_mm = float(place_[i].k_N_per_mm);
-    contacts_.push_back(c);
-  }
+  for (size_t i = 0; i < place_.size(); ++i)
+    if (state_[i].holds) contacts_.push_back(contact(i));
   return true;
 }
 

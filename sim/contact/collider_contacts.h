@@ -21,6 +21,7 @@
 
 #include "sim/base/workers.h"
 #include "sim/body/body.h"
+#include "sim/contact/contact_friction.h"
 #include "sim/contact/contact_memory.h"
 #include "sim/cutting/arrangement/surface_view.h"
 #include "sim/fem/model/fem_model.h"
@@ -31,11 +32,13 @@ namespace limberg {
 class ColliderContacts {
  public:
   /// `embedding`: per vertex of the view. Without a collider near the surface there are no places.
+  /// `friction`: its coefficient.
   ColliderContacts(std::shared_ptr<const Body> body, const SurfaceView& view, std::span<const EmbeddedPoint> embedding,
-                   const FemModel& model);
+                   const FemModel& model, double friction = 0);
 
   /// Lets the pairs follow to displacement u (per node of the model). True when they are not what they were.
-  bool follow(std::span<const Vec3f> u, Workers& workers);
+  /// `step_begins`: a step of the solver does (contact_friction.h).
+  bool follow(std::span<const Vec3f> u, Workers& workers, bool step_begins = false);
   /// Valid until the next follow().
   std::span<const Contact> contacts() const { return contacts_; }
   bool any_near() const { return !contacts_.empty(); }
@@ -61,6 +64,7 @@ class ColliderContacts {
   };
   bool follow_place(size_t i, std::span<const Vec3f> u);  // true: its pair is not what it was
   void project(size_t i, const Vec3& x);
+  Contact contact(size_t i) const;  // of a place that is held
 
   std::shared_ptr<const Body> body_;
   std::vector<SidedPatch> patch_;  // per collider
@@ -68,6 +72,7 @@ class ColliderContacts {
   std::vector<State> state_;
   std::vector<Vec3> foot_mm_;  // per place and collider: the nearest point of that when it was asked for last; or NaN
   std::vector<Contact> contacts_;
+  Friction friction_;
   bool resumed_ = false;
 };
 

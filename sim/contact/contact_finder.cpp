@@ -28,14 +28,15 @@ const double kTurnCos = elementary::cos(constant::turn_deg * std::numbers::pi / 
 
 }  // namespace
 
-ContactFinder::ContactFinder(std::shared_ptr<const ContactSurface> surface, const FemModel& model)
+ContactFinder::ContactFinder(std::shared_ptr<const ContactSurface> surface, const FemModel& model, double friction)
     : surface_(std::move(surface)),
       cell_mm_(elementary::cbrt(model.cell_mm.prod())),
       tissue_(*surface_, model),
       cells_(tissue_, model),
       motion_(tissue_, model),
       u_(model.X_mm.size()),
-      state_(surface_->place.size()) {
+      state_(surface_->place.size()),
+      friction_{friction} {
   for (int32_t c : surface_->carrier) carrier_.push_back(tissue_.find(c));
   for (size_t i = 0; i < surface_->place.size(); ++i) {
     const ContactPlace& p = surface_->place[i];
@@ -117,7 +118,7 @@ void ContactFinder::check(size_t chunk) {
     const HeldContact& h = p.held;
     const size_t i = size_t(h.place);
     PlaceState& l = state_[i];
-    const Vec3 apart = p.rest_apart_mm + displacement(p.contact.a) - displacement(p.contact.b);
+    const Vec3 apart = apart_mm(p);
     p.s_mm = h.normal.dot(apart) - h.gap_mm;
     Vec3 slid = apart - h.apart_mm;
     slid -= h.normal.dot(slid) * h.normal;
@@ -153,6 +154,18 @@ void ContactFinder::make_contact(Pair& p) const {
   c.gap_mm = float(f.gap_mm - constant::slack_mm);
   c.soft_mm = float(constant::soft_mm);
   c.k_N_per_mm = float(contact_stiffness_N_per_mm(f.weight, place.stiffness_kPa, place.area_mm2, cell_mm_));
+  if (friction_.coefficient > 0) take_grip(f.grip, friction_, c);
+}
+
+// Of place and foot, as the cells carry them.
+Vec3 ContactFinder::apart_mm(const Pair& p) const {
+  return p.rest_apart_mm + displacement(p.contact.a) - displacement(p.contact.b);
+}
+
+void ContactFinder::grip(size_t chunk) {
+  for (Pair& p : chunk_[chunk].pair)
+    if (p.held.weight > kNothing && (p.held.grip.push_mN > 0 || chunk_[chunk].nearest_mm < kNear_mm))
+      chunk_[chunk].changed |= follow_grip(p.held.grip, apart_mm(p), friction_, p.contact);
 }
 
 // True when the place has slid on so far that it is fresh again.
@@ -171,13 +184,16 @@ void ContactFinder::merge(size_t i, std::span<Pair> before, std::vector<HeldCont
   bool reprojected = false;
   const auto leave_foot = [&](const Pair& p) {  // before it is forgotten; what is stale has been counted
     if (p.stale) return;
-    const Vec3 slid = p.rest_apart_mm + displacement(p.contact.a) - displacement(p.contact.b) - p.held.apart_mm;
+    const Vec3 slid = apart_mm(p) - p.held.apart_mm;
     if (slide(l, slid - p.held.normal.dot(slid) * p.held.normal)) part = 1;
   };
-  const auto place = [&](Pair p) {  // its place and its foot are where they are now; s_mm is given
+  // Its place and its foot are where they are now; s_mm is given. `was`: how the pair was held before, if it was.
+  const auto place = [&](Pair p, const HeldContact* was = nullptr, const Vec3& was_apart_mm = Vec3::Zero()) {
     HeldContact& h = p.held;
     make_contact(p);
-    h.apart_mm = p.rest_apart_mm + displacement(p.contact.a) - displacement(p.contact.b);
+    h.apart_mm = apart_mm(p);
+    if (was && friction_.coefficient > 0)
+      carry_grip(*was, was_apart_mm, h, h.apart_mm), take_grip(h.grip, friction_, p.contact);
     // What the surfaces show is linear in their triangles, what the springs feel is trilinear in the cells: the gap
     // makes up the difference, so that a contact begins where it is seen to begin.
     h.gap_mm = h.normal.dot(h.apart_mm) - p.s_mm;
@@ -224,16 +240,15 @@ void ContactFinder::merge(size_t i, std::span<Pair> before, std::vector<HeldCont
         continue;
       }
       leave_foot(p);
-      const double weight = p.held.weight;
-      const Vec3 normal = p.held.normal;
-      const bool pressed = p.held.depth_tested;
+      const HeldContact was = p.held;
+      const Vec3 was_apart_mm = apart_mm(p);
       p.held = n;
-      if (pressed && part < 1) {
-        p.held.weight = weight + part * (n.weight - weight);
-        p.held.normal = (normal + part * (n.normal - normal)).normalized();
+      if (was.depth_tested && part < 1) {
+        p.held.weight = was.weight + part * (n.weight - was.weight);
+        p.held.normal = (was.normal + part * (n.normal - was.normal)).normalized();
       }
       p.s_mm = p.held.normal.dot(at - shown_mm(n.triangle, n.bary));
-      place(p);
+      place(p, &was, was_apart_mm);
     }
   }
   if (reprojected) ++l.projections, ++chunk.reprojected;
@@ -317,9 +332,10 @@ void ContactFinder::find_pairs(size_t chunk) {
   here.pair.swap(out);
 }
 
-bool ContactFinder::follow(std::span<const Vec3f> u, Workers& workers) {
+bool ContactFinder::follow(std::span<const Vec3f> u, Workers& workers, bool step_begins) {
   ++counts_.checks;
-  if (!motion_.measure(u) && !resumed_) return false;
+  friction_.step_begins = step_begins;
+  if (!motion_.measure(u) && !resumed_ && friction_.coefficient == 0) return false;
   bool changed = std::exchange(resumed_, false);  // the list is that of another moment
   for (size_t i = 0; i < u_.size(); ++i) u_[i] = v4{u[i][0], u[i][1], u[i][2], 0};
   cells_.move(u);
@@ -340,6 +356,7 @@ bool ContactFinder::follow(std::span<const Vec3f> u, Workers& workers) {
     if (!unknown.empty()) tissue_.learn(unknown, workers);
     each([&](size_t c) { find_pairs(c); });
   }
+  if (friction_.coefficient > 0) each([&](size_t c) { grip(c); });
   near_ = false;
   for (Chunk& c : chunk_) {
     changed |= c.changed, near_ |= c.nearest_mm < kNear_mm;

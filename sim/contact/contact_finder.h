@@ -8,8 +8,9 @@
 //        -> solver.set_contacts()    fem/forces/contact_forces.h, when a pair is new or gone
 //
 // A pair is a place of one surface and a plane: that of a sheet at the foot of the place. The tissue at the foot
-// carries the plane; the plane does not turn, and nothing acts along it (no friction). For given pairs the energy is
-// one function of the positions with a continuous gradient, so the minimiser comes to rest as it does without contacts.
+// carries the plane; the plane does not turn, and nothing acts along it unless a scene asks for friction
+// (contact_friction.h). For given pairs the energy is one function of the positions with a continuous gradient, so the
+// minimiser comes to rest as it does without contacts.
 //
 // Stiffness. A place that stands for area A has k = c E A / h: c times that of a column of tissue of one cell's height
 // h, in scale with the solver's metric, which knows nothing of contacts. Under a pressure p both banks' places together
@@ -36,6 +37,7 @@
 
 #include "sim/base/workers.h"
 #include "sim/contact/contact_counts.h"
+#include "sim/contact/contact_friction.h"
 #include "sim/contact/contact_memory.h"
 #include "sim/contact/contact_surface.h"
 #include "sim/contact/moving_cells.h"
@@ -46,10 +48,12 @@ namespace limberg {
 
 class ContactFinder {
  public:
-  ContactFinder(std::shared_ptr<const ContactSurface> surface, const FemModel& model);
+  /// `friction`: its coefficient.
+  ContactFinder(std::shared_ptr<const ContactSurface> surface, const FemModel& model, double friction = 0);
 
   /// Lets the pairs follow to displacement u (per node of the model). True when they are not what they were.
-  bool follow(std::span<const Vec3f> u, Workers& workers);
+  /// `step_begins`: a step of the solver does (contact_friction.h).
+  bool follow(std::span<const Vec3f> u, Workers& workers, bool step_begins = false);
   /// Valid until the next follow().
   std::span<const Contact> contacts() const { return contacts_; }
   bool any_near() const { return near_; }  // did any pair press, or nearly, at the last follow()?
@@ -131,6 +135,8 @@ class ContactFinder {
   void merge(size_t place, std::span<Pair> before, std::vector<HeldContact>& found, Chunk& chunk,
              std::vector<Pair>& out);
   void make_contact(Pair& p) const;
+  Vec3 apart_mm(const Pair& p) const;
+  void grip(size_t chunk);
 
   std::shared_ptr<const ContactSurface> surface_;
   double cell_mm_ = 1;
@@ -145,6 +151,7 @@ class ContactFinder {
   std::vector<Chunk> chunk_;       // of groups
   std::vector<size_t> chunk_of_;   // per place
   std::vector<Contact> contacts_;
+  Friction friction_;
   bool near_ = false, resumed_ = false;
   double since_sorted_mm_ = 1e30;  // cells_
   ContactCounts counts_;

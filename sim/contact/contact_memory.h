@@ -8,6 +8,12 @@
 
 namespace limberg {
 
+/// What friction has hold of (contact_friction.h).
+struct Grip {
+  Vec3 stick_mm = Vec3::Zero();  // x_a - x_b, as the cells carry them, from where what is drawn across counts
+  double push_mN = 0;            // that friction goes by; 0: it holds nothing
+};
+
 /// A pair of a place and a sheet as it is now.
 struct HeldContact {
   int32_t place = 0, sheet = -1, triangle = -1;
@@ -18,6 +24,7 @@ struct HeldContact {
   double gap_mm = 0;          // s = normal . apart - gap: clearance of the surfaces as they are shown; negative inside
   double weight = 0;          // 0 to 1
   bool depth_tested = false;  // its weight says how deep the place is, and which way is out; else it is in front
+  Grip grip;
 };
 
 /// A place of the surface and the plane of a collider that it is kept out of (collider_contacts.h).
@@ -27,6 +34,7 @@ struct HeldByCollider {
   Vec3 normal = Vec3::UnitZ();  // away from the collider
   double plane_mm = 0;          // normal . x of the plane
   Vec3 at_mm = Vec3::Zero();    // the place when it was projected
+  Grip grip;
 };
 
 /// What a finder must get back to go on as it would have. A place that is not named is fresh.

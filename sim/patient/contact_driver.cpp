@@ -15,7 +15,7 @@ constexpr double kMoveOfContacts_mm = 1.5;
 StepReport ContactDriver::step(const StepSettings& settings) {
   ElasticSolver& solver = tissue_.solver();
   if (settings.afresh && !to_resume_) to_resume_ = memory();
-  follow();
+  follow(true);
   if (!any() || settings.dt_s > 0) {
     const StepReport report = solver.step(settings);
     if (any()) gone_.iterations += uint64_t(report.iterations);
@@ -33,7 +33,7 @@ StepReport ContactDriver::step(const StepSettings& settings) {
     part.afresh = false;
     done += report.iterations;
     const bool moved = report.iterations > 0, stopped = settings.should_stop && settings.should_stop();
-    const bool others = moved && any_near() && follow();
+    const bool others = moved && any_near() && follow(false);
     if (done >= settings.max_iterations || stopped || !moved)
       more = false;
     else
@@ -48,7 +48,7 @@ StepReport ContactDriver::step(const StepSettings& settings) {
   return report;
 }
 
-bool ContactDriver::follow() {
+bool ContactDriver::follow(bool step_begins) {
   if (tissue_.spec().contact == ContactChoice::off) return false;
   const TissueVersion& now = tissue_.version();
   bool fresh = false;
@@ -57,12 +57,13 @@ bool ContactDriver::follow() {
     gone_ = counts();
     const auto surface =
         contact_surface({now.surface, &now.surface->view}, now.surface->embedding, now.lattice, *now.model);
-    finder_ = surface ? std::make_unique<ContactFinder>(surface, *now.model) : nullptr;
+    const double friction = tissue_.spec().contact_friction;
+    finder_ = surface ? std::make_unique<ContactFinder>(surface, *now.model, friction) : nullptr;
     if (finder_) ++gone_.surfaces;
     colliders_.reset();
     if (!tissue_.body().colliders.empty()) {
       colliders_ = std::make_unique<ColliderContacts>(now.surface->body, now.surface->view,
-                                                      now.surface->embedding.flat(), *now.model);
+                                                      now.surface->embedding.flat(), *now.model, friction);
       if (colliders_->places() == 0) colliders_.reset();
     }
     lattice_ = now.lattice;
@@ -77,8 +78,8 @@ bool ContactDriver::follow() {
   if (!any()) return false;
   const std::span<const Vec3f> u = tissue_.solver().displacement_mm();
   bool changed = fresh;
-  if (finder_) changed |= finder_->follow(u, tissue_.workers());
-  if (colliders_) changed |= colliders_->follow(u, tissue_.workers());
+  if (finder_) changed |= finder_->follow(u, tissue_.workers(), step_begins);
+  if (colliders_) changed |= colliders_->follow(u, tissue_.workers(), step_begins);
   if (!changed) return false;
   if (finder_ && colliders_) {
     both_.assign(finder_->contacts().begin(), finder_->contacts().end());
@@ -118,7 +119,8 @@ Vec3 ContactDriver::collider_force_mN() const {
   const std::span<const Contact> all = contacts();
   if (!colliders_ || all.size() != tissue_.solver().contacts()) return sum;
   for (size_t i = all.size() - colliders_->contacts().size(); i < all.size(); ++i)  // the last of the list
-    sum += tissue_.solver().contact_force_mN(i) * all[i].normal.cast<double>();
+    sum +=
+        tissue_.solver().contact_force_mN(i) * all[i].normal.cast<double>() + tissue_.solver().contact_friction_mN(i);
   return sum;
 }
 

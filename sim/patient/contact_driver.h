@@ -31,7 +31,7 @@ class ContactDriver {
   Vec3 collider_force_mN() const;
 
  private:
-  bool follow();  // true when the solver has others now; nothing is done where nothing can touch
+  bool follow(bool step_begins);  // true when the solver has others now; nothing is done where nothing can touch
   std::span<const Contact> held_apart() const;  // what the solver has
   bool any() const { return finder_ || colliders_; }
   bool any_near() const { return (finder_ && finder_->any_near()) || (colliders_ && colliders_->any_near()); }

@@ -127,9 +127,14 @@ void fields(const SolverState& s, V&& v) {
   if (before_s > 0) v(displacement_before_mm, velocity_before_mm_s);  // else there is no step before
 }
 template <class V>
+void fields(const Grip& g, V&& v) {
+  const auto& [stick_mm, push_mN] = g;
+  v(stick_mm, push_mN);
+}
+template <class V>
 void fields(const HeldContact& c, V&& v) {
-  const auto& [place, sheet, triangle, bary, normal, facet, apart_mm, gap_mm, weight, depth_tested] = c;
-  v(place, sheet, triangle, bary, normal, facet, apart_mm, gap_mm, weight, depth_tested);
+  const auto& [place, sheet, triangle, bary, normal, facet, apart_mm, gap_mm, weight, depth_tested, grip] = c;
+  v(place, sheet, triangle, bary, normal, facet, apart_mm, gap_mm, weight, depth_tested, grip);
 }
 template <class V>
 void fields(const ContactMemory::Damping& d, V&& v) {
@@ -138,8 +143,8 @@ void fields(const ContactMemory::Damping& d, V&& v) {
 }
 template <class V>
 void fields(const HeldByCollider& h, V&& v) {
-  const auto& [place, projections, slid_mm, normal, plane_mm, at_mm] = h;
-  v(place, projections, slid_mm, normal, plane_mm, at_mm);
+  const auto& [place, projections, slid_mm, normal, plane_mm, at_mm, grip] = h;
+  v(place, projections, slid_mm, normal, plane_mm, at_mm, grip);
 }
 template <class V>
 void fields(const ContactMemory& m, V&& v) {

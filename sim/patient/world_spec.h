@@ -54,6 +54,7 @@ struct WorldSpec {
   int wound_level = 0;         // so often cells are divided that a blade goes through, and their neighbours
   bool dynamic = false;        // false: quasi-static
   ContactChoice contact = ContactChoice::off;  // do wound surfaces keep each other out? (contact/contact_finder.h)
+  double contact_friction = 0;                 // coefficient of Coulomb's law, of wounds and colliders
   // Zero: the tissue has no weight. The body as given is its shape without weight and loads, which sags from there.
   Vec3 gravity_m_s2 = Vec3::Zero();
   std::vector<SkinLoad> loads;

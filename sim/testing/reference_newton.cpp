@@ -22,17 +22,20 @@ using CellHessian = Eigen::Matrix<double, 24, 24>;
 }  // namespace
 
 struct ReferenceElasticity::Impl {
-  /// A contact as one row: s = w . x along the normal - gap.
+  /// A contact as one row: s = w . x along the normal - gap; and y = w . x - stick across it.
   struct ContactRow {
-    Vec3 normal = Vec3::UnitZ();
-    double k = 0, gap = 0, soft = 0;
+    Vec3 normal = Vec3::UnitZ(), stick = Vec3::Zero();
+    double k = 0, gap = 0, soft = 0, hold = 0, grip = 0;
     std::vector<std::pair<int32_t, double>> share;  // node, signed weight; each node once
 
     ContactRow(const Contact& c)
         : normal(c.normal.cast<double>()),
+          stick(c.stick_mm.cast<double>()),
           k(double(c.k_N_per_mm) * 1000),
           gap(double(c.gap_mm)),
-          soft(double(c.soft_mm)) {
+          soft(double(c.soft_mm)),
+          hold(double(c.hold_mN)),
+          grip(double(c.grip_N_per_mm) * 1000) {
       for (const EmbeddedPoint* p : {&c.a, &c.b}) {
         const double sum = std::accumulate(p->w.begin(), p->w.end(), 0.0), sign = p == &c.a ? 1 : -1;
         for (size_t i = 0; i < 8; ++i) {
@@ -58,6 +61,21 @@ struct ReferenceElasticity::Impl {
       double s = -gap;
       for (const auto& [n, w] : share) s += w * normal.dot(m.X_mm[size_t(n)] + u[size_t(n)]);
       return s;
+    }
+    Vec3 slid(const FemModel& m, std::span<const Vec3> u) const {
+      Vec3 y = -stick;
+      for (const auto& [n, w] : share) y += w * (m.X_mm[size_t(n)] + u[size_t(n)]);
+      return y - normal.dot(y) * normal;
+    }
+    /// Of its energy by y, with what lies across the normal alone.
+    Mat3 stiffness(const FemModel& m, std::span<const Vec3> u) const {
+      Mat3 K = fem::contact_push(clearance(m, u), k, soft).slope * normal * normal.transpose();
+      if (!(hold > 0)) return K;
+      const Vec3 y = slid(m, u);
+      const double length = y.norm();
+      const Mat3 across = Mat3::Identity() - normal * normal.transpose();
+      if (length < hold / grip) return K + grip * across;
+      return K + hold / length * (across - y * y.transpose() / (length * length));
     }
   };
 
@@ -151,6 +169,15 @@ struct ReferenceElasticity::Impl {
         for (const auto& [n, w] : c.share) {
           (*g)[size_t(n)] -= push.force * w * c.normal;
           if (scale) size[size_t(n)] += push.force * std::fabs(w);
+        }
+      if (!(c.hold > 0)) continue;
+      const Vec3 y = c.slid(m, u);
+      const fem::Push back = fem::friction_pull(y.norm(), c.grip, c.hold);
+      energy += back.energy;
+      if (g && y.norm() > 0)
+        for (const auto& [n, w] : c.share) {
+          (*g)[size_t(n)] += back.force / y.norm() * w * y;
+          if (scale) size[size_t(n)] += back.force * std::fabs(w);
         }
     }
     for (size_t i = 0; i < weight.size(); ++i) {
@@ -297,14 +324,13 @@ struct ReferenceElasticity::Impl {
       }
     for (size_t c = 0; c < contacts.size(); ++c) {
       const auto& pressed = contacts[c];
-      const double slope = fem::contact_push(pressed.clearance(m, u), pressed.k, pressed.soft).slope;
-      if (!(slope > 0)) continue;
+      const Mat3 K = pressed.stiffness(m, u);
+      if (K.isZero(0)) continue;
       for (auto [a, b, e] : contact_entry[c]) {
         const int32_t j = graph.row_of_node[size_t(pressed.share[size_t(b)].first)];
-        const double kw = slope * pressed.share[size_t(a)].second * pressed.share[size_t(b)].second;
+        const double w = pressed.share[size_t(a)].second * pressed.share[size_t(b)].second;
         for (int k = 0; k < 3; ++k)
-          for (int r = a == b ? k : 0; r < 3; ++r)
-            value[place(j, e, r, k)] += kw * pressed.normal[r] * pressed.normal[k];
+          for (int r = a == b ? k : 0; r < 3; ++r) value[place(j, e, r, k)] += w * K(r, k);
       }
     }
     hold_axes(value);
@@ -375,11 +401,9 @@ Eigen::MatrixXd ReferenceElasticity::dense_hessian(std::span<const Vec3> u, bool
         H.block<3, 3>(3 * r.node[a], 3 * r.node[b]) += r.k_mN_per_mm * r.w[a] * r.w[b] * Mat3::Identity();
   }
   for (const auto& c : p.contacts) {
-    const double slope = fem::contact_push(c.clearance(p.m, u), c.k, c.soft).slope;
-    if (!(slope > 0)) continue;
+    const Mat3 K = c.stiffness(p.m, u);
     for (const auto& [i, wi] : c.share)
-      for (const auto& [j, wj] : c.share)
-        H.block<3, 3>(3 * i, 3 * j) += slope * wi * wj * c.normal * c.normal.transpose();
+      for (const auto& [j, wj] : c.share) H.block<3, 3>(3 * i, 3 * j) += wi * wj * K;
   }
   return H;
 }

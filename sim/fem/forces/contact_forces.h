@@ -1,8 +1,9 @@
 #pragma once
-// One-sided springs between places of the tissue, s = n.(x_a - x_b) - gap, with the law of contact_law.h.
+// One-sided springs between places of the tissue, s = n.(x_a - x_b) - gap, with the law of contact_law.h, and the
+// friction of those that have some.
 //
-// There is no friction: nothing acts across n. Normals and gaps stand still while the minimiser works; whoever finds
-// contacts turns them between steps. Sums over nodes run in single precision, four numbers at a time; what is summed
+// Normals, gaps and what friction may bear stand still while the minimiser works; whoever finds contacts turns them
+// between steps. Sums over nodes run in single precision, four numbers at a time; what is summed
 // are displacements, a rounding of some 1e-6 mm. The rest is in double. How far each pair is apart is found in
 // parallel; forces are handed out in the order of the list, so that no bit depends on the number of workers.
 #include <span>
@@ -21,7 +22,7 @@ class ContactForces {
   ContactForces(const FemModel& model, std::span<const Contact> contacts);  // on the calling thread
 
   /// Throws InputError for a node outside the model, a normal that is not of unit length, a stiffness that is not
-  /// positive or a negative softness. Whatever it throws, memory that is short included, leaves no contacts.
+  /// positive, a negative softness, or friction without a spring. Whatever it throws, memory that is short included, leaves no contacts.
   void set(const FemModel& model, std::span<const Contact> contacts, Workers& workers);
 
   /// Adds the forces to g (as a gradient; fixed nodes included) and returns the energy. `measure`: also adds the norm
@@ -34,6 +35,8 @@ class ContactForces {
   double clearance_mm(size_t i, const NodeArray& u) const;
   /// Force in mN along the normal, on point a; never negative.
   double force_mN(size_t i, const NodeArray& u) const;
+  /// Of friction, on point a; across the normal.
+  Vec3 friction_mN(size_t i, const NodeArray& u) const;
 
  private:
   struct Item {
@@ -44,10 +47,19 @@ class ContactForces {
     double soft = 0;    // mm
     double offset = 0;  // s of the undeformed state
   };
-  static const char* fault_of(const FemModel& model, const Contact& c, Item& item);
+  struct Friction {
+    Vec3 from = Vec3::Zero();  // x_a - x_b - stick of the undeformed state
+    double hold = 0, k = 0;    // mN, mN/mm; hold 0: none
+    v4 force = {};             // of the last add, on point a
+  };
+  static const char* fault_of(const FemModel& model, const Contact& c, Item& item, Friction* friction);
+  v4 relative(const Item& it, const NodeArray& u) const;  // displacement of a less that of b
+  Push pull(const Item& it, const Friction& f, const v4& relative, v4& force) const;
+
   std::vector<Item> item_;
-  std::vector<float> force_;    // of the last add, per contact
-  std::vector<double> energy_;  // of it, per chunk
+  std::vector<Friction> friction_;  // per contact; empty where none has any
+  std::vector<float> force_;        // of the last add, per contact
+  std::vector<double> energy_;      // of it, per chunk
 };
 
 }  // namespace limberg::fem

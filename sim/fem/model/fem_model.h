@@ -215,12 +215,18 @@ struct DeadLoad {
 /// A one-sided spring between two places of the tissue that must not pass through each other. With the overlap
 /// p = gap - n.(x_a - x_b): no energy for p <= 0, k p^3 / (6 soft) up to p = soft, from there a parabola of curvature k
 /// that continues it with force and slope: k ((p - soft/2)^2 / 2 + soft^2 / 24). It pushes, never pulls.
+///
+/// Friction: what of x_a - x_b - stick lies across the normal, y, is drawn back by grip_k y, up to hold: energy
+/// grip_k y^2 / 2 to y = hold / grip_k, from there hold (y - hold / (2 grip_k)). The hold stands still while a minimiser
+/// works (it is a share of a push that was found before), so that there is an energy.
 struct Contact {
   EmbeddedPoint a, b;
   Vec3f normal = Vec3f::UnitZ();  // unit, from b's surface towards a
   float gap_mm = 0;
   float soft_mm = 0;  // overlap over which the stiffness sets in; 0: at once
   float k_N_per_mm = 1;
+  Vec3f stick_mm = Vec3f::Zero();
+  float hold_mN = 0, grip_N_per_mm = 0;  // hold 0: no friction
 };
 
 }  // namespace limberg

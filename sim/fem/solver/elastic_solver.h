@@ -130,7 +130,8 @@ class ElasticSolver {
   virtual Vec3 spring_force_mN(int32_t id) const = 0;
   /// Force in mN of the i-th contact of the list, along its normal; never negative.
   virtual double contact_force_mN(size_t i) const = 0;
-  virtual size_t contacts() const = 0;  // length of the list
+  virtual Vec3 contact_friction_mN(size_t i) const = 0;  // on its point a, across its normal
+  virtual size_t contacts() const = 0;                   // length of the list
   /// Of every node that is held, ascending. At rest sum f_support = sum of hooks' forces + load_force_mN().
   virtual std::vector<SupportForce> support_forces_mN() const = 0;
   /// Their sum.

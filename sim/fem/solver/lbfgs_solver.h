@@ -91,6 +91,7 @@ class LbfgsSolver final : public ElasticSolver {
   std::span<const float> memory() const override { return viscous_.memory(); }
   Vec3 spring_force_mN(int32_t id) const override;
   double contact_force_mN(size_t i) const override;
+  Vec3 contact_friction_mN(size_t i) const override;
   size_t contacts() const override { return contacts_.size(); }
   std::vector<SupportForce> support_forces_mN() const override;
   Vec3 load_force_mN() const override { return loads_.sum_mN(); }

@@ -135,6 +135,10 @@ Vec3 LbfgsSolver::spring_force_mN(int32_t id) const {
 
 double LbfgsSolver::contact_force_mN(size_t i) const { return i < contacts_.size() ? contacts_.force_mN(i, u_) : 0; }
 
+Vec3 LbfgsSolver::contact_friction_mN(size_t i) const {
+  return i < contacts_.size() ? contacts_.friction_mN(i, u_) : Vec3::Zero();
+}
+
 std::vector<SupportForce> LbfgsSolver::support_forces_mN() const {
   NodeArray g(u_.size());
   elements_->evaluate(u_, g, false, engine_);

@@ -43,6 +43,7 @@ class RegionSolver final : public ElasticSolver {
   std::span<const float> memory() const override { return inner_->memory(); }
   Vec3 spring_force_mN(int32_t id) const override { return inner_->spring_force_mN(id); }
   double contact_force_mN(size_t i) const override { return inner_->contact_force_mN(i); }
+  Vec3 contact_friction_mN(size_t i) const override { return inner_->contact_friction_mN(i); }
   size_t contacts() const override { return inner_->contacts(); }
   /// Of present nodes; and those of the anchors, which are no nodes of the whole: node -1.
   std::vector<SupportForce> support_forces_mN() const override;

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "sim/contact/contact_finder.h"
+#include "sim/fem/forces/contact_forces.h"
 #include "sim/patient/soft_tissue.h"
 #include "sim/patient/world.h"
 #include "tests/sim/contact/plain_block.h"
@@ -111,6 +112,46 @@ TEST_F(APocket, WhatComesToRestIsLookedAtAgain) {
   before = finder.counts().queries;
   for (int k = 0; k < 20; ++k) finder.follow(moved({0, 0, -at_mm + 1e-4 * (k % 2)}), workers);
   EXPECT_EQ(finder.counts().queries, before);
+}
+
+// The roof is pressed upon its floor and drawn over it by 3 mm, a tenth of a millimetre a step, so that every pair finds
+// another foot many times: friction holds it back all the while, by its share of the push; and turns round when it does.
+TEST_F(APocket, WhatIsDrawnOverItsBedIsHeldBack) {
+  constexpr double kMu = 0.2;
+  ContactFinder finder(surface, model(), kMu);
+  const auto held_back = [&](const std::vector<Vec3f>& u) {  // along x, and what it may be at most; mN
+    finder.follow(u, workers, true);
+    fem::ContactForces forces(model(), finder.contacts());
+    NodeArray at(u.size());
+    for (size_t i = 0; i < u.size(); ++i) at[i] = {u[i][0], u[i][1], u[i][2], 0};
+    double along = 0, most = 0;
+    size_t c = 0;
+    for (const HeldContact& h : finder.memory().pairs) {
+      if (!(h.weight > 1e-4)) continue;  // the others are no contacts
+      const double push = forces.force_mN(c, at);
+      if (inner(h.place) && push > 0) along += forces.friction_mN(c, at).x(), most += kMu * push;
+      ++c;
+    }
+    EXPECT_EQ(c, finder.contacts().size());
+    return std::pair(along, most);
+  };
+  held_back(moved({0, 0, -0.1}));
+  const auto [before, could] = held_back(moved({0, 0, -0.2}));
+  ASSERT_GT(could, 20);
+  EXPECT_LT(std::abs(before), 0.02 * could) << "it was pressed down, not aside";
+  for (int step = 1; step <= 30; ++step) {
+    const auto [now, most] = held_back(moved({0.1 * step, 0, -0.2}));
+    EXPECT_GT(most, 0.7 * could);
+    if (step < 3) continue;
+    EXPECT_LT(now, -0.93 * most) << "step " << step;  // normals are some degrees off z
+    EXPECT_GT(now, -1.05 * most) << "step " << step;  // a push is known to 2 %, and not beyond the last step
+  }
+  EXPECT_GT(finder.counts().reprojected, 100u);
+  for (int step = 1; step <= 5; ++step) {
+    const auto [now, most] = held_back(moved({3 - 0.1 * step, 0, -0.2}));
+    if (step < 3) continue;
+    EXPECT_GT(now, 0.93 * most) << "back, step " << step;
+  }
 }
 
 }  // namespace test_contact_finder

@@ -38,6 +38,7 @@ class GivenSolver final : public ElasticSolver {
   void restore(const SolverState&) override {}
   Vec3 spring_force_mN(int32_t) const override { return Vec3::Zero(); }
   double contact_force_mN(size_t) const override { return 0; }
+  Vec3 contact_friction_mN(size_t) const override { return Vec3::Zero(); }
   size_t contacts() const override { return 0; }
   void set_gravity(const Vec3&) override {}
   Vec3 gravity_m_s2() const override { return Vec3::Zero(); }

@@ -72,7 +72,9 @@ TEST(TissueState, EveryFieldOfSolverAndContactsIsHashed) {
       {}, {[](Contact& c) { c.place = 9; }, [](Contact& c) { c.sheet = 9; }, [](Contact& c) { c.triangle = 9; },
            [](Contact& c) { c.bary[2] = 9; }, [](Contact& c) { c.normal.x() = 9; }, [](Contact& c) { c.facet.x() = 9; },
            [](Contact& c) { c.apart_mm.x() = 9; }, [](Contact& c) { c.gap_mm = 9; }, [](Contact& c) { c.weight = 9; },
-           [](Contact& c) { c.depth_tested = true; }});
+           [](Contact& c) { c.depth_tested = true; }, [](Contact& c) { c.grip.push_mN = 9; },
+           [](Contact& c) { c.grip.stick_mm.x() = 9; }});
+  expect_all_seen<HeldByCollider>({}, {[](HeldByCollider& c) { c.grip.push_mN = 9; }});
   using Damping = ContactMemory::Damping;
   expect_all_seen<Damping>({}, {[](Damping& d) { d.place = 9; }, [](Damping& d) { d.projections = 9; },
                                 [](Damping& d) { d.slid_mm.x() = 9; }});
