@@ -166,6 +166,17 @@ void fields(ResultPatient& x, auto&& f) {
   f("operations", x.operations), f("notes", x.notes), f("missed", x.missed), f("reproduce", x.reproduce);
 }
 
+/// An MRI is refused with a reason: its numbers have no unit, and bone is as dark in it as air.
+void expect_ct(const imaging::SeriesAbout& s, const std::string& input) {
+  if (s.modality != "MR") return;
+  throw InputError(
+      input, 0,
+      fmt::format("series {} is an MRI: its numbers have no unit and bone is as dark in it as air; expected "
+                  "a CT (limberg fit {} --series {} --iso N fits the skin of it, N halfway between air "
+                  "and skin)",
+                  s.number, input, s.number));
+}
+
 /// The volume, with what was chosen and done said in `notes`.
 LoadedVolume load(const PatientOptions& o, std::string& series) {
   std::error_code ec;
@@ -178,9 +189,13 @@ LoadedVolume load(const PatientOptions& o, std::string& series) {
     if (o.series.empty()) {
       const imaging::SeriesChoice c = imaging::choose_series(all);
       if (c.index < 0) throw InputError(o.input, 0, "no series will do: " + c.why);
+      expect_ct(all[size_t(c.index)], o.input);
       settings.series = all[size_t(c.index)].uid, series = imaging::line_of(all[size_t(c.index)]);
       notes.push_back(c.why);
       for (const std::string& r : c.rejected) notes.push_back(r);
+    } else {
+      for (const imaging::SeriesAbout& s : all)
+        if (o.series == std::to_string(s.number) || o.series == s.uid) expect_ct(s, o.input);
     }
   }
   LoadedVolume v = load_volume(o.input, settings);

@@ -7,6 +7,7 @@
 
 #include "sim/imaging/synthetic/synthetic_head.h"
 #include "tests/app/cli.h"
+#include "tests/bench/fuzz/sound_files.h"
 
 namespace limberg {
 namespace test_cli_patient {
@@ -285,6 +286,14 @@ TEST_F(Cli, WhatIsNoCtOfAHeadIsRefusedInWords) {
   expect_refused("patient " + file("box.nrrd", nrrd(v)) + out, {"box.nrrd", "no hollow for a brain"});
   expect_refused("patient " + path("absent.nrrd") + out, {"absent.nrrd"});
   expect_refused("patient " + file("box.nrrd", nrrd(v)), {"--out"});
+  fs::create_directories(path("mri"));
+  for (int k = 0; k < 30; ++k) {
+    fuzz::Slice s;
+    s.modality = "MR", s.at = {0, 0, 5. * k}, s.number = k;
+    file("mri/" + std::to_string(k) + ".dcm", fuzz::dicom(s));
+  }
+  for (const std::string series : {"", " --series 1"})
+    expect_refused("patient " + path("mri") + series + out, {"mri", "series 1 is an MRI", "expected a CT", "--iso"});
   fs::create_directories(path("empty"));
   expect_refused("patient " + path("empty") + out, {"empty"});
 }

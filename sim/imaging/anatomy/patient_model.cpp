@@ -13,6 +13,7 @@ namespace limberg {
 namespace {
 
 constexpr double kBin = 20, kAirWithin = 130;  // HU
+constexpr int kThinTissuePercent = 50;         // the one real head at hand has 14 (2026-11-29)
 constexpr double kTallSlice = 1.5,
                  kTallSlice_mm = 1.8;    // slices are interpolated when longer than this times a pixel, and this
 constexpr double kThinWallVoxel_mm = 2;  // in longer voxels crests of soft tissue pass for walls
@@ -26,6 +27,18 @@ void move(simplex::Mesh& m, const Eigen::Isometry3d& by) {
 }
 
 }  // namespace
+
+/// Of a head's tissue in a CT most has the density of water, give or take; what lies between that and air is hair, the
+/// skin's outermost voxels and the rims of cavities. In an MRI whose air is 0, taken for a CT, it is the other way round.
+/// In percent; 0 where nothing is denser than air.
+int thin_tissue_percent(const Volume& v, double offset) {
+  int64_t thin = 0, soft = 0;
+  for (const float x : v.value) {
+    const double hu = double(x) - offset;
+    thin += hu > -850 && hu < -250, soft += hu >= -250;
+  }
+  return thin + soft > 0 ? int(100 * thin / (thin + soft)) : 0;
+}
 
 double hounsfield_offset(const Volume& v, std::string& why) {
   const auto [low, high] = std::minmax_element(v.value.begin(), v.value.end());
@@ -43,6 +56,12 @@ double hounsfield_offset(const Volume& v, std::string& why) {
     return 0;
   }
   if (std::abs(air) <= kAirWithin) {
+    if (const int thin = thin_tissue_percent(v, 1024); thin > kThinTissuePercent)
+      throw InputError("", 0,
+                       "these are no numbers of a CT: with air at " + std::to_string(int(air)) + " " +
+                           std::to_string(thin) +
+                           " % of what is not air would be thinner than fat; expected a CT of a head (--offset says "
+                           "otherwise; an MRI does not show bone, its skin alone is fitted by limberg fit --iso)");
     why = "air lies near " + std::to_string(int(air)) + ": the numbers are taken for Hounsfield units and 1024";
     return 1024;
   }

@@ -50,7 +50,8 @@ struct PatientModel {
 };
 
 /// What the numbers of a CT are above Hounsfield units, by the value that most voxels of air have. Throws InputError:
-/// air lies neither at -1000 nor at 0 (no CT, say), with where it lies.
+/// air lies neither at -1000 nor at 0 (no CT, say), with where it lies; or at 0, and most tissue would be thinner than
+/// fat, as in an MRI.
 double hounsfield_offset(const Volume& volume, std::string& why);
 
 /// Meshes and landmarks in the frame of the head (x right, y forwards, z up, origin between the porions). Throws
