@@ -6,6 +6,7 @@
 #include "app/head/build.h"
 #include "app/program/shipped.h"
 #include "sim/base/error.h"
+#include "sim/commands/texture_script.h"
 #include "sim/skull/bone/rigid_world.h"
 
 namespace limberg {
@@ -14,6 +15,18 @@ Scene open_scene(const std::string& name_or_path) {
   std::vector<std::string> folders;
   for (const std::string& root : shipped_roots()) folders.push_back(root == "." ? "app/scenes" : root + "/app/scenes");
   return load_scene(find_scene(name_or_path, folders));
+}
+
+std::vector<Command> acts_on(const Scene& scene, const Script& script) {
+  std::vector<Command> acts;
+  const auto take = [&](const Script& s) {
+    for (const ScriptLine& l : s.lines) acts.push_back(l.command);
+  };
+  if (!scene.flesh || !has_texture_places(script))
+    take(script);
+  else
+    take(on_texture(script, *build_body(scene)));
+  return acts;
 }
 
 std::unique_ptr<World> make_world(const Scene& scene, Workers& workers) {

@@ -6,8 +6,10 @@
 //   world->step(step_settings(scene, false));
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "app/scene/scene.h"
+#include "sim/commands/script.h"
 #include "sim/patient/world.h"
 
 namespace limberg {
@@ -15,6 +17,10 @@ namespace limberg {
 /// The scene of a name or path as the user typed it: a path, or one of the scenes shipped (shipped.h says where they
 /// are looked for). InputError as load_scene, or with the names to be had.
 Scene open_scene(const std::string& name_or_path);
+
+/// The acts of a script in their order, those by texture at the places where they lie on this scene's body
+/// (texture_script.h). The body is built only where there are such places. InputError for one that it does not have.
+std::vector<Command> acts_on(const Scene& scene, const Script& script);
 
 /// Skin, head, or both. InputError: what build_body and head_parts throw; a head where no fragment can be held.
 std::unique_ptr<World> make_world(const Scene& scene, Workers& workers);

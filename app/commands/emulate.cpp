@@ -81,8 +81,7 @@ int emulate(const EmulateOptions& o) {
   call.scene = open_scene(o.scene);
   call.progressive_cut = call.scene.tools.progressive_cut.value_or(o.progressive);
   const Script script = load_script(given_or_shipped(o.script));
-  std::vector<Command> commands;
-  for (const ScriptLine& l : script.lines) commands.push_back(l.command);
+  const std::vector<Command> commands = acts_on(call.scene, script);
   if (commands.empty()) throw InputError(o.script, 0, "holds no action; expected at least one line with an action");
   SurgeonSettings settings;
   settings.seed = o.seed;

@@ -39,8 +39,7 @@ constexpr int32_t kOwnControls = 900;  // device number of what the command line
 void add_device(SessionCall& call, const std::string& text) {
   const DeviceSpec spec(text);
   if (spec.kind == "emulated" && !spec.rest.empty()) {
-    std::vector<Command> commands;
-    for (const ScriptLine& l : load_script(spec.rest).lines) commands.push_back(l.command);
+    const std::vector<Command> commands = acts_on(call.scene, load_script(spec.rest));
     call.surgeon_seed = SurgeonSettings{}.seed;
     if (call.scene.head && !call.scene.flesh)
       call.sources.push_back(std::make_unique<EmulatedHeadSurgeon>(commands));
@@ -142,7 +141,7 @@ int run_session(const RunOptions& o) {
   if (const std::string file =
           call.goes_on && o.lesson.empty() ? shipped_file("recordings/" + call.scene.name + ".jsonl") : lesson_file(o);
       !file.empty())
-    for (const ScriptLine& l : load_script(file).lines) lesson.push_back(l.command);
+    lesson = acts_on(call.scene, load_script(file));
   const bool window = !o.headless && has_display();
   if (!o.headless && !window) say("no display: no window is opened; --headless says that none is wanted");
   if (o.devices.empty() && !window) add_device(call, "lcm");

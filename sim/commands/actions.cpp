@@ -20,6 +20,7 @@ std::string unit_of(std::string_view key) {
 struct Describer {
   std::vector<ActionField> fields;
   bool other_form = false;  // the line without the key of its form
+  bool in_space = false;    // its places may be in space (in_space.h)
   bool has_forms = false;
   std::string form_words;
 
@@ -43,7 +44,9 @@ struct Describer {
   void operator()(const Field& f, E v) {
     add(f, "choice", "", ScriptReader::listed({f.names.begin(), f.names.end()}), f.names[size_t(v)]);
   }
-  void operator()(const Field& f, const ChartPoint&) { add(f, "point [x, y] or place [x, y, z]", "mm", "", ""); }
+  void operator()(const Field& f, const ChartPoint&) {
+    add(f, in_space ? "point [x, y] or place [x, y, z]" : "point [x, y]", "mm", "", "");
+  }
   void operator()(const Field& f, const Vec3&) {
     add(f, "[x, y, z]",
         f.key == std::string_view("normal") ? ""
@@ -52,7 +55,8 @@ struct Describer {
         "", f.key == std::string_view("bone") ? "that of the face" : "[0, 0, 0]");
   }
   void operator()(const Field& f, const std::vector<ChartPoint>&) {
-    add(f, "points [[x, y], ...] or places [[x, y, z], ...] in mm", "", least(f), "");
+    add(f, in_space ? "points [[x, y], ...] or places [[x, y, z], ...] in mm" : "points [[x, y], ...] in mm", "",
+        least(f), "");
   }
   void operator()(const Field& f, const std::vector<Vec3>&) {
     const bool directions = f.key == std::string_view("normals");
@@ -81,6 +85,9 @@ std::vector<ActionLine> described() {
     for (const bool other_form : {false, true}) {
       Describer d;
       d.other_form = other_form;
+      d.in_space = []<class... A>(std::type_identity<std::variant<A...>>) {
+        return (std::is_same_v<C, A> || ...);
+      }(std::type_identity<SkinAct>{});
       C c{};
       Act<C>::fields(d, c);
       if (other_form && !d.has_forms) continue;
@@ -102,7 +109,8 @@ std::string field_text(const ActionField& f) {
 constexpr const char* kOfHead =
     "Of a head: places in mm, x right, y forward, z up, on the bones where they were at first";
 constexpr const char* kOfSkin =
-    "Of skin, and of any patient: points on the chart of the skin, mm, or places in space, mm at rest, anywhere on it";
+    "Of skin, and of any patient: points on the chart of the skin, mm; where a field says so, places in space, mm at "
+    "rest, anywhere on it, or {\"uv\": [u, v]} by its texture";
 
 }  // namespace
 

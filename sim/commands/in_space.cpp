@@ -1,6 +1,8 @@
 #include "sim/commands/in_space.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
 
 #include "sim/commands/table.h"
 
@@ -37,6 +39,10 @@ std::vector<Vec3> places_of(const InSpace& c) {
   std::vector<Vec3> out;
   each_place(c.act, [&](const ChartPoint& p) { out.emplace_back(p.x(), p.y(), c.z_mm.at(out.size())); });
   return out;
+}
+
+bool has_texture_places(const InSpace& c) {
+  return std::any_of(c.z_mm.begin(), c.z_mm.end(), [](double z) { return std::isnan(z); });
 }
 
 SkinAct with_points(const InSpace& c, std::span<const ChartPoint> points) {

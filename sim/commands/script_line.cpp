@@ -1,4 +1,5 @@
 // Commands from and to lines of a script, by the rows of the table.
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "sim/commands/script_reader.h"
@@ -35,7 +36,7 @@ struct SpaceProbe {
   const char* point = nullptr;
 
   void see(const char* key) {
-    if (!line.is_list(key)) return;
+    if (!line.is_list(key) && !line.has_places(key)) return;
     const char*& first = line.has_places(key) ? place : point;
     if (!first) first = key;
   }
@@ -51,6 +52,7 @@ struct SpaceProbe {
 
 /// Fills a command from a line.
 struct LineReader {
+  static constexpr auto kTextures = ScriptReader::Textures::allowed;
   const ScriptReader& line;
   std::vector<double>* z = nullptr;  // places are in space; what is beside x and y goes here
 
@@ -77,7 +79,7 @@ struct LineReader {
     if (!left_out(f)) v = E(line.choice(f.key, f.names));
   }
   void operator()(const Field& f, ChartPoint& v) {
-    if (!left_out(f)) v = z ? flat(line.place(f.key)) : line.point(f.key);
+    if (!left_out(f)) v = z ? flat(line.place(f.key, kTextures)) : line.point(f.key);
   }
   void operator()(const Field& f, Vec3& v) {
     if (!left_out(f)) v = line.place(f.key);
@@ -85,13 +87,13 @@ struct LineReader {
   void operator()(const Field& f, std::vector<ChartPoint>& v) {
     if (!z) return void(v = line.path(f.key, size_t(f.from)));
     v.clear();
-    for (const Vec3& X : line.places(f.key, size_t(f.from))) v.push_back(flat(X));
+    for (const Vec3& X : line.places(f.key, size_t(f.from), kTextures)) v.push_back(flat(X));
   }
   void operator()(const Field& f, std::vector<Vec3>& v) {
     if (!left_out(f)) v = line.places(f.key, size_t(f.from));
   }
   void operator()(const Field& f, StitchPick& v) {
-    v = z && line.is_list(f.key) ? StitchPick{0, flat(line.place(f.key))} : line.stitch(f.key);
+    v = z && line.has_places(f.key) ? StitchPick{0, flat(line.place(f.key, kTextures))} : line.stitch(f.key);
   }
   void operator()(const Field& f, FragmentPick& v) { v = line.fragment(f.key); }
   void operator()(const Field& f, std::optional<Vec3>& v) {
@@ -127,6 +129,7 @@ struct LineWriter {
     if (!in_space) return json_of(p);
     const double height = z.front();
     z = z.subspan(1);
+    if (std::isnan(height)) return Json{{"uv", json_of(p)}};
     return json_of(Vec3(p.x(), p.y(), height));
   }
 

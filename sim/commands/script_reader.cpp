@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "sim/base/error.h"
@@ -106,10 +107,10 @@ double ScriptReader::real(const char* key, double otherwise, double lo, double h
 }
 
 bool ScriptReader::has_places(const char* key) const {
-  if (!is_list(key)) return false;
+  if (!has(key)) return false;
   const Json& v = data_->json[key];
-  const Json& first = !v.empty() && v[0].is_array() ? v[0] : v;
-  return first.size() == 3 && first[0].is_number();
+  const Json& first = v.is_array() && !v.empty() && v[0].is_structured() ? v[0] : v;
+  return first.is_object() || (first.is_array() && first.size() == 3 && first[0].is_number());
 }
 
 std::vector<Landmark> ScriptReader::landmarks(const char* key) const {
@@ -192,10 +193,22 @@ ChartPoint ScriptReader::point(const char* key) const {
   return {c[0], c[1]};
 }
 
-Vec3 ScriptReader::place(const char* key) const {
+Vec3 ScriptReader::place(const char* key, Textures textures) const {
   if (!has(key)) missing(key, "a place [x, y, z]");
-  double c[3];
-  coordinates(&data_->json[key], c, 3, key);
+  return place_of(&data_->json[key], key, textures);
+}
+
+// Of a texture place the third number is none.
+Vec3 ScriptReader::place_of(const void* value, const char* key, Textures textures) const {
+  const Json& v = *static_cast<const Json*>(value);
+  double c[3] = {0, 0, std::numeric_limits<double>::quiet_NaN()};
+  if (textures == Textures::none || !v.is_object()) {
+    coordinates(&v, c, 3, key);
+  } else {
+    if (v.size() != 1 || !v.contains("uv"))
+      fail(quoted(key) + " holds an object that is no place; expected {\"uv\": [u, v]}, [x, y, z] or [x, y]");
+    coordinates(&v["uv"], c, 2, key);
+  }
   return {c[0], c[1], c[2]};
 }
 
@@ -221,14 +234,10 @@ std::vector<ChartPoint> ScriptReader::path(const char* key, size_t least) const 
   return p;
 }
 
-std::vector<Vec3> ScriptReader::places(const char* key, size_t least) const {
+std::vector<Vec3> ScriptReader::places(const char* key, size_t least, Textures textures) const {
   std::vector<Vec3> p;
   p.reserve(list_size(key, least, "x, y, z"));
-  for (const Json& e : data_->json[key]) {
-    double c[3];
-    coordinates(&e, c, 3, key);
-    p.emplace_back(c[0], c[1], c[2]);
-  }
+  for (const Json& e : data_->json[key]) p.push_back(place_of(&e, key, textures));
   return p;
 }
 

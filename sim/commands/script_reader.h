@@ -21,7 +21,7 @@ class ScriptReader {
   [[noreturn]] void fail(const std::string& what) const;
   bool has(const char* key) const;
   bool is_list(const char* key) const;
-  /// Whether the key holds [x, y, z], or a list that begins with one.
+  /// Whether the key holds [x, y, z] or {"uv": [u, v]}, or a list that begins with one.
   bool has_places(const char* key) const;
   /// Any other key is refused.
   void only(const std::vector<const char*>& keys, const std::string& where) const;
@@ -34,8 +34,10 @@ class ScriptReader {
 
   ChartPoint point(const char* key) const;                            // [x, y]
   std::vector<ChartPoint> path(const char* key, size_t least) const;  // [[x, y], ...]
-  Vec3 place(const char* key) const;                                  // [x, y, z]
-  std::vector<Vec3> places(const char* key, size_t least) const;      // [[x, y, z], ...]
+  /// allowed: {"uv": [u, v]} may stand for [x, y, z], and is (u, v, NaN) (in_space.h).
+  enum class Textures { none, allowed };
+  Vec3 place(const char* key, Textures textures = Textures::none) const;  // [x, y, z]
+  std::vector<Vec3> places(const char* key, size_t least, Textures textures = Textures::none) const;
 
   /// Named points: {"name":[x, y], ...}.
   std::vector<Landmark> landmarks(const char* key) const;
@@ -57,6 +59,7 @@ class ScriptReader {
  private:
   [[noreturn]] void missing(const char* key, const std::string& what) const;
   void coordinates(const void* value, double* out, size_t n, const char* key) const;
+  Vec3 place_of(const void* value, const char* key, Textures textures) const;
   void check_depth(std::string_view text) const;
   size_t list_size(const char* key, size_t least, const char* of) const;
 

@@ -1,7 +1,9 @@
 // Acts whose places are given in space: cuts look at the skin through a plane of their own (body/skin_view.h); hooks
 // and stitches, which need no plane, find each place by itself, and rows run along their two paths.
 #include <algorithm>
+#include <cmath>
 
+#include "sim/body/texture_places.h"
 #include "sim/geometry/polyline.h"
 #include "sim/patient/soft_tissue.h"
 
@@ -48,7 +50,14 @@ struct Looking {
 }  // namespace
 
 Acted<TissueChange> SoftTissue::act_in_space(const InSpace& c) {
-  const std::vector<Vec3> places = places_of(c);
+  std::vector<Vec3> places = places_of(c);
+  for (Vec3& X : places) {
+    if (!std::isnan(X.z())) continue;
+    std::string reason;
+    const auto at = place_on_texture(tissue_.body(), X.head<2>(), reason);
+    if (!at) return {false, reason};
+    X = *at;
+  }
   const bool cuts = std::holds_alternative<Incise>(c.act) || std::holds_alternative<Undermine>(c.act) ||
                     std::holds_alternative<Excise>(c.act);
   const auto carried_out = [&](const SkinAct& act) {

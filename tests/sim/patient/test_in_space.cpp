@@ -5,6 +5,7 @@
 
 #include "sim/base/error.h"
 #include "sim/commands/script.h"
+#include "sim/commands/texture_script.h"
 #include "sim/patient/soft_tissue.h"
 #include "sim/patient/world.h"
 #include "tests/sim/patient/lip.h"
@@ -325,6 +326,88 @@ TEST(InSpace, LinesGoThereAndBack) {
         R"({"action":"cut_through","path":[[0,1,2],[3,4,5]],"normals":[[0,0,1],[0,0,0]]})",
         R"({"action":"hook","id":1,"at":[0,1,2],"surface":"nowhere"})"})
     EXPECT_THROW(line(mixed), InputError) << mixed;
+}
+
+// A picture that lies over the skin as the chart does: an act by its texture is the act on the chart, whatever the cells.
+TEST(ByTexture, AnActIsThatOfThePlacesWhereItsTextureLies) {
+  InlineWorkers workers;
+  WorldSpec spec = test::small_block({});
+  auto body = std::make_shared<Body>(*spec.body);
+  TriMesh& m = body->surface;
+  m.uv.assign(m.tri.size(), {});
+  const auto uv_of = [](const Vec3& X) { return Eigen::Vector2d(0.5 + X.x() / 100, 0.25 + X.y() / 200); };
+  for (size_t t = 0; t < m.tri.size(); ++t) {  // skin only: elsewhere the picture has no width
+    double lowest = 1e9;
+    for (int32_t v : m.tri[t]) lowest = std::min(lowest, m.X_mm[size_t(v)].z());
+    for (size_t k = 0; k < 3; ++k)
+      if (lowest > -1e-9) m.uv[t][k] = uv_of(m.X_mm[size_t(m.tri[t][k])]).cast<float>();
+  }
+  spec.body = body;
+  const auto parse = [](const std::string& text) { return parse_command(text, "x", 1); };
+  const auto run = [&](const std::vector<std::string>& lines) {
+    World world(spec, workers);
+    for (const std::string& l : lines) {
+      const Outcome o = world.apply(parse(l));
+      EXPECT_TRUE(o.done) << l << ": " << o.reason;
+    }
+    Snapshot s;
+    world.fill(s);
+    EXPECT_EQ(s.hooks.size(), 1u);
+    return s.hooks.at(0).at_mm;
+  };
+  const Vec3f by_place = run(
+      {R"({"action":"incise","path":[[-6,1,0],[6,1,0]],"depth_mm":3})", R"({"action":"hook","id":1,"at":[0,3,0]})"});
+  const Vec3f by_texture = run({R"({"action":"incise","path":[{"uv":[0.44,0.255]},{"uv":[0.56,0.255]}],"depth_mm":3})",
+                                R"({"action":"hook","id":1,"at":{"uv":[0.5,0.265]}})"});
+  EXPECT_LT((by_place - by_texture).norm(), 1e-3f);
+  // Where it lies is told to whoever asks before; what the skin does not have is refused with its line.
+  Script script = parse_script(
+      "{\"limberg_script\":1,\"scene\":\"x\"}\n"
+      "{\"action\":\"hook\",\"id\":1,\"at\":{\"uv\":[0.5,0.265]}}\n",
+      "s");
+  EXPECT_TRUE(has_texture_places(script));
+  EXPECT_NE(to_json_line(script.lines[0].command).find(R"("at":{"uv":[0.5,0.265]})"), std::string::npos);
+  const Script laid = on_texture(script, *body);
+  EXPECT_FALSE(has_texture_places(laid));
+  EXPECT_LT((places_of(std::get<InSpace>(laid.lines[0].command))[0] - Vec3(0, 3, 0)).norm(), 1e-3);
+  World world(spec, workers);
+  const Outcome off = world.apply(parse(R"({"action":"hook","id":1,"at":{"uv":[3,3]}})"));
+  EXPECT_FALSE(off.done);
+  EXPECT_NE(off.reason.find("nowhere"), std::string::npos) << off.reason;
+  script.lines[0].command = parse(R"({"action":"hook","id":1,"at":{"uv":[3,3]}})");
+  EXPECT_THROW(on_texture(script, *body), InputError);
+  const auto plain = std::make_shared<Body>(*test::small_block({}).body);
+  plain->surface.uv.clear();
+  std::string reason;
+  EXPECT_FALSE(place_on_texture(*plain, {0.5, 0.265}, reason));
+  EXPECT_NE(reason.find("no texture"), std::string::npos);
+}
+
+// A picture that lies twice on the skin tells of two places; at an edge, where two triangles meet, of one.
+TEST(ByTexture, APlaceThatIsTwoIsRefused) {
+  Body body;
+  body.surface.X_mm = {{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {10, 0, 0}, {14, 0, 0}, {10, 4, 0}};
+  body.surface.tri = {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}};
+  using V = Eigen::Vector2f;
+  body.surface.uv = {{V(0, 0), V(1, 0), V(1, 1)}, {V(0, 0), V(1, 1), V(0, 1)}, {V(2, 2), V(3, 2), V(2, 3)}};
+  std::string reason;
+  const auto edge = place_on_texture(body, {0.5, 0.5}, reason);
+  ASSERT_TRUE(edge) << reason;
+  EXPECT_LT((*edge - Vec3(2, 2, 0)).norm(), 1e-5);
+  EXPECT_TRUE(place_on_texture(body, {2.2, 2.2}, reason));
+  body.surface.uv[2] = {V(0, 0), V(1, 0), V(0, 1)};
+  EXPECT_FALSE(place_on_texture(body, {0.3, 0.2}, reason));
+  EXPECT_NE(reason.find("two places"), std::string::npos) << reason;
+}
+
+// Only places on skin are by texture: where a hook is carried to, and directions, are in the world.
+TEST(ByTexture, WhatIsNoPlaceOnSkinIsRefused) {
+  for (const char* line : {R"({"action":"move_hook","id":1,"to_mm":{"uv":[0.5,0.5]}})",
+                           R"({"action":"hook","id":1,"at":{"vu":[0.5,0.5]}})", R"({"action":"hook","id":1,"at":{}})",
+                           R"({"action":"hook","id":1,"at":{"uv":[0.5]}})",
+                           R"({"action":"incise","path":[{"uv":[0.5,0.5]},[3,4]],"depth_mm":3})"})
+    EXPECT_THROW(parse_command(line, "x", 1), InputError) << line;
+  EXPECT_NO_THROW(parse_command(R"({"action":"incise","path":[{"uv":[0.5,0.5]},[3,4,0]],"depth_mm":3})", "x", 1));
 }
 
 }  // namespace test_in_space
