@@ -5,6 +5,8 @@
 #include <cmath>
 #include <map>
 
+#include "sim/body/tension_lines.h"
+
 namespace limberg {
 
 namespace {
@@ -13,12 +15,14 @@ using Mat2 = Eigen::Matrix2d;
 using Mat32 = Eigen::Matrix<double, 3, 2>;
 
 /// The triangle's gradient in the skin's plane, prestretch included; false for one without area.
-bool gradient(const Snapshot& s, const Tri& t, Mat32& F) {
+bool gradient(const Snapshot& s, size_t triangle, Mat32& F) {
   const auto& X = s.topology->view.X_mm;
+  const Tri& t = s.topology->view.tri[triangle];
   const Body& body = *s.topology->body;
+  const Vec3 lines = tension_along(body, s.topology->view.origin[triangle],
+                                   Vec3((X[size_t(t[0])] + X[size_t(t[1])] + X[size_t(t[2])]) / 3));
   const Vec3 normal = (X[size_t(t[1])] - X[size_t(t[0])]).cross(X[size_t(t[2])] - X[size_t(t[0])]).normalized();
-  const Vec3 along = (body.tension_direction - body.tension_direction.dot(normal) * normal).normalized(),
-             across = normal.cross(along);
+  const Vec3 along = (lines - lines.dot(normal) * normal).normalized(), across = normal.cross(along);
   Mat2 E;
   Mat32 e;
   for (int k = 0; k < 2; ++k) {
@@ -60,7 +64,7 @@ std::vector<StretchGlyph> stretch_glyphs(const Snapshot& s, double spacing) {
   for (const auto& [key, best] : square) {
     const Tri& t = view.tri[best.triangle];
     Mat32 F;
-    if (!gradient(s, t, F)) continue;
+    if (!gradient(s, best.triangle, F)) continue;
     Eigen::SelfAdjointEigenSolver<Mat2> eigen;
     eigen.computeDirect(F.transpose() * F);
     StretchGlyph g;

@@ -57,6 +57,9 @@ struct TissueMesh {
   std::shared_ptr<const SkinImage> image;  // on the skin; null: there is none
   // unit: how the tension lines run on the chart; zero: unknown
   Eigen::Vector2f tension_chart = Eigen::Vector2f::Zero();
+  // Where they run differently in different places, per render vertex: cosine and sine of twice their angle on the
+  // chart, so that what lies between is their mean; zero where they stand upright on it. Empty: as tension_chart says.
+  std::vector<Eigen::Vector2f> tension_twice;
 };
 
 /// The parts of a TissueMesh in the order in which they are drawn: the face last, because it may be translucent.

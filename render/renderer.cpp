@@ -149,6 +149,8 @@ struct Renderer::Impl {
         tissue_mesh.floats(5, 4, rgba.data(), rgba.size() * sizeof rgba[0]);
       }
       if (!m.uv.empty()) tissue_mesh.floats(6, 2, m.uv.data(), m.uv.size() * sizeof m.uv[0]);
+      if (!m.tension_twice.empty())
+        tissue_mesh.floats(7, 2, m.tension_twice.data(), m.tension_twice.size() * sizeof m.tension_twice[0]);
       send_image(m.image);
       all_triangles = false;
       if (layer_map) gl.DeleteTextures(1, &layer_map);
@@ -261,16 +263,18 @@ struct Renderer::Impl {
                           const Eigen::Vector2f& tension) {
     const bool field = o.colour_field && (part == Part::skin || part == Part::wall || part == Part::face);
     const bool clear = part == Part::face && o.face == FaceLook::clear;
-    const bool lines = o.tension_lines && part == Part::skin && tension != Eigen::Vector2f::Zero();
+    const bool by_place = o.tension_lines && part == Part::skin && !uploaded->tension_twice.empty();
+    const bool lines = by_place || (o.tension_lines && part == Part::skin && tension != Eigen::Vector2f::Zero());
     const bool coloured = !uploaded->rgba.empty() && part != Part::bone_cut && part != Part::tool && !field,
                image = uploaded->image && part == Part::skin && !field;
-    const int key = int(part) * 256 + image * 128 + coloured * 64 + lines * 32 + o.still * 16 + clear * 8 +
-                    o.shadow * 4 + o.fine_skin * 2 + field;
+    const int key = int(part) * 512 + by_place * 256 + image * 128 + coloured * 64 + lines * 32 + o.still * 16 +
+                    clear * 8 + o.shadow * 4 + o.fine_skin * 2 + field;
     auto it = programs.find(key);
     if (it == programs.end()) {
       std::string text = "#version 330 core\n";
       if (o.shadow) text += o.still ? "#define SHADOW 4\n" : "#define SHADOW 2\n";  // taps a side
       if (lines) text += "#define TENSION_LINES\n";
+      if (by_place) text += "#define TENSION_BY_PLACE\n";
       if (o.fine_skin) text += "#define FINE\n";
       if (part == Part::wall) text += "#define PART_WALL\n";
       if (part == Part::bone_cut) text += "#define BONE_CUT\n";

@@ -67,6 +67,10 @@ out vec4 v_rgba;
 layout(location = 6) in vec2 uv;
 out vec2 v_uv;
 #endif
+#ifdef TENSION_BY_PLACE
+layout(location = 7) in vec2 tension_twice;
+out vec2 v_tension;
+#endif
 uniform mat4 to_clip;
 out vec3 v_world, v_normal, v_rest;
 out vec2 v_chart;
@@ -78,6 +82,9 @@ void main() {
 #endif
 #ifdef IMAGE
   v_uv = uv;
+#endif
+#ifdef TENSION_BY_PLACE
+  v_tension = tension_twice;
 #endif
   v_chart = chart_rim.xy, v_rim = chart_rim.z, v_depth = rest_depth.w, v_field = field;
   gl_Position = to_clip * vec4(position, 1.0);
@@ -106,10 +113,27 @@ uniform float field_min, field_scale, iso_lines;
 uniform vec2 tension;          // unit, along the tension lines on the chart
 out vec4 colour;
 
+#ifdef TENSION_BY_PLACE
+in vec2 v_tension;  // cosine and sine of twice their angle on the chart
+#endif
+
 // Dashes every 4 mm across the tension lines: 1 on a dash.
 float tension_line() {
 #ifndef TENSION_LINES
   return 0.0;
+#elif defined(TENSION_BY_PLACE)
+  // One dash in the middle of every cell of a grid, its rows shifted by half a cell, along the lines there.
+  if (dot(v_tension, v_tension) < 0.09) return 0.0;
+  const vec2 cell = vec2(6.0, 3.6);
+  float row = floor(v_chart.y / cell.y), shift = 0.5 * cell.x * mod(row, 2.0);
+  vec2 at = vec2(mod(v_chart.x + shift, cell.x) - 0.5 * cell.x, v_chart.y - (row + 0.5) * cell.y);
+  float half_turn = 0.5 * atan(v_tension.y, v_tension.x);
+  vec2 along = vec2(cos(half_turn), sin(half_turn));
+  vec2 wide = fwidth(v_chart);
+  float w = max(max(wide.x, wide.y), 1e-6), s = abs(dot(at, vec2(-along.y, along.x))) / w;
+  float reach = min(2.1, 0.45 * min(cell.x / max(abs(along.x), 1e-3), cell.y / max(abs(along.y), 1e-3)));
+  float end = (reach - abs(dot(at, along))) / w;
+  return (1.0 - smoothstep(0.7, 1.5, s)) * clamp(end, 0.0, 1.0) * clamp(1.6 - 1.0 * w, 0.0, 1.0);
 #else
   float s = dot(v_chart, vec2(-tension.y, tension.x)) * 0.25, w = fwidth(s), row = floor(s + 0.5);
   float d = abs(s - row) / max(w, 1e-6), dash = fract(dot(v_chart, tension) / 7.0 + 0.37 * row);

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "render/render_scene.h"
+#include "sim/body/tension_lines.h"
 #include "sim/geometry/polyline.h"
 #include "sim/geometry/triangle.h"
 
@@ -128,6 +129,15 @@ Vec3f lamp_over(const Body& body, const Vec3& normal) {
       .normalized();
 }
 
+/// TissueMesh::tension_twice of a place on a triangle of the body.
+Eigen::Vector2f tension_twice(const Body& body, int32_t triangle, const Vec3& X) {
+  const Vec3 along = tension_along(body, triangle, X);
+  const Eigen::Vector2d d(along.dot(body.chart_e1), along.dot(body.chart_e2));
+  const double n2 = d.squaredNorm();
+  if (!(n2 > 1e-4)) return {0, 0};
+  return Eigen::Vector2d((d.x() * d.x() - d.y() * d.y()) / n2, 2 * d.x() * d.y() / n2).cast<float>();
+}
+
 }  // namespace
 
 TissueMesh make_tissue_mesh(const SurfaceTopology& topology, const Vec3f& towards_eye) {
@@ -161,6 +171,7 @@ TissueMesh make_tissue_mesh(const SurfaceTopology& topology, const Vec3f& toward
   }
 
   const bool coloured = topology.rgba.size() == view.X_mm.size();
+  const bool lines = topology.body && !topology.body->tension.empty();
   std::vector<std::vector<Split>> splits(view.X_mm.size());
   mesh.tri.reserve(n);
   mesh.tri_source.reserve(n);
@@ -194,6 +205,9 @@ TissueMesh make_tissue_mesh(const SurfaceTopology& topology, const Vec3f& toward
         mesh.depth_mm.push_back(v < depth.size() ? depth[v] : 0.0f);
         mesh.part.push_back(part);
         if (mesh.image) mesh.uv.push_back(uv);
+        if (lines)
+          mesh.tension_twice.push_back(part == Part::skin ? tension_twice(*topology.body, view.origin[t], X)
+                                                          : Eigen::Vector2f(0, 0));
         if (coloured) mesh.rgba.push_back(topology.rgba[v]);
       } else if (!found->has_normal && good) {
         found->has_normal = true, found->normal = normal;

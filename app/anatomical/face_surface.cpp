@@ -5,7 +5,8 @@
 //                                             anatomical_teeth.obj and anatomical_gums.obj, which these lie against;
 //                                             anatomical_lids.obj, lids of the right eye parted; anatomical_eye.obj,
 //                                             _iris.obj and _pupil.obj, which these lie against;
-//                                             anatomical_scalp.obj, the face with the scalp over the vertex
+//                                             anatomical_scalp.obj, the face with the scalp over the vertex;
+//                                             anatomical_tension.txt, lines of tension of the face
 #include <fmt/format.h>
 #include <fmt/os.h>
 
@@ -17,6 +18,7 @@
 
 #include "app/session/workers_pool.h"
 #include "render/image.h"
+#include "sim/imaging/anatomical/face_lines.h"
 #include "sim/imaging/anatomical/face_tissue.h"
 #include "sim/imaging/anatomical/lid_bed.h"
 #include "sim/imaging/anatomical/mouth_bed.h"
@@ -61,6 +63,19 @@ void write_mesh(const TriMesh& m, const std::string& file) {
   std::printf("%s: %zu corners, %zu triangles\n", file.c_str(), m.X_mm.size(), m.tri.size());
 }
 
+void write_lines(const FaceTissue& f, const std::string& file) {
+  const std::vector<TensionPlace> places = face_tension_lines(f.X_mm, f.tri);
+  auto out = fmt::output_file(file);
+  out.print(
+      "# Relaxed skin tension lines of the face, made by limberg_face_surface (sim/imaging/anatomical/face_lines.h "
+      "names\n"
+      "# sources): a place, mm, x right, y forwards, z up; and the way of the lines there.\n");
+  for (const TensionPlace& p : places)
+    out.print("{:.1f} {:.1f} {:.1f}  {:.3f} {:.3f} {:.3f}\n", p.at_mm.x(), p.at_mm.y(), p.at_mm.z(), p.along.x(),
+              p.along.y(), p.along.z());
+  std::printf("%s: %zu places\n", file.c_str(), places.size());
+}
+
 Image picture(Workers& workers) {
   Image image(kPicture, kPicture);
   const auto byte = [](double v) { return uint8_t(std::lround(255 * std::clamp(v, 0., 1.))); };
@@ -93,6 +108,7 @@ int main(int argc, char** argv) try {
     const FaceTissue face = make_face_tissue(workers, open);
     write_surface(face, (folder / fmt::format("anatomical_{}.obj", name)).string());
     std::printf("%s: %zu corners, %zu triangles\n", name, face.X_mm.size(), face.tri.size());
+    if (std::string(name) == "face") write_lines(face, (folder / "anatomical_tension.txt").string());
   }
   const anatomical::SkinShape skin;
   const MouthBedMeshes bed = make_mouth_bed(MouthBed(skin), workers);

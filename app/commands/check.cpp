@@ -208,6 +208,8 @@ void check_scene(const Scene& scene) {
                 static_cast<long long>(surface.vertices));
   const Vec3 size = body->box_max_mm - body->box_min_mm;
   std::printf("size        %.1f x %.1f x %.1f mm\n", size.x(), size.y(), size.z());
+  if (scene.tension.given())
+    std::printf("tension     lines by place%s%s\n", scene.tension.file.empty() ? "" : ": ", scene.tension.file.c_str());
   for (const Layer& l : body->layers) {
     std::printf("layer       %s, %.3g mm, %.3g kPa, Poisson %.3g, prestretch %.3g along, %.3g across\n", l.name.c_str(),
                 l.thickness_mm, l.material.young_kPa, l.material.poisson, l.material.prestretch_along,
@@ -341,7 +343,8 @@ void check_script(const Script& script, const std::string& file, bool with_plan,
                        std::string(action_name(l.command)) + " asks for skin, and the scene \"" + scene.name +
                            "\" has none; expected a scene with a [body]");
   }
-  for (const ScriptLine& l : script.lines) ++count[action_name(l.command)], commands.push_back(l.command);
+  for (const ScriptLine& l : script.lines) ++count[action_name(l.command)];
+  commands = acts_on(scene, script);
   for (const auto& [name, n] : count) std::printf("  %-14s %d\n", name.c_str(), n);
   if ((!with_plan && svg.empty()) || !scene.flesh) return;
   const Skin skin(build_body(scene));

@@ -90,8 +90,12 @@ int design(DesignOptions o) {
   Scene scene = open_scene(o.scene);
   if (o.lines_deg) {
     const double a = *o.lines_deg * std::numbers::pi / 180;
-    const Vec3 along(std::cos(a), std::sin(a), 0);
-    (scene.source == Scene::Source::block ? scene.block.tension_direction : scene.obj.tension_direction) = along;
+    if (scene.source == Scene::Source::block)
+      scene.block.tension_direction = Vec3(std::cos(a), std::sin(a), 0);
+    else
+      scene.obj.tension_direction =
+          std::cos(a) * scene.obj.chart_e1.normalized() + std::sin(a) * scene.obj.chart_e2.normalized();
+    scene.tension = {};
   }
   o.task.defect = parse_defect(o.defect);
   for (const std::string& s : o.spare) o.task.spare.push_back(parse_landmark(s));
@@ -176,9 +180,12 @@ int design(DesignOptions o) {
     for (const auto& [reason, count] : dropped_by_reason(found)) std::printf("  %3d  %s\n", count, reason.c_str());
   }
   if (!o.common.out_dir.empty() && any) {
-    const Vec3 along =
-        scene.source == Scene::Source::block ? scene.block.tension_direction : scene.obj.tension_direction;
     const std::shared_ptr<const Body> body = build_body(scene);
+    const Skin skin(body);
+    ChartPoint middle(0, 0);
+    for (const ChartPoint& p : o.task.defect) middle += p / double(o.task.defect.size());
+    const auto hit = skin.at(middle);
+    const Vec3 along = hit ? skin.frame(hit->X_mm).along : body->tension_direction;
     write_whole_file(
         o.common.out_dir + "/" + report_names::ranking,
         ranking_svg(found, o.task,

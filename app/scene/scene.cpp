@@ -59,6 +59,20 @@ void read_tags(Table& t, Scene& s) {
   }
 }
 
+void read_tension(Table& t, Scene& s) {
+  constexpr size_t kMostPlaces = 1000;
+  t.path("tension_file", s.tension.file);
+  const std::string expected = "; expected a list of 1 to " + std::to_string(kMostPlaces) +
+                               " rows [x, y, z, dx, dy, dz], a place in mm and the way of the lines there";
+  for (const auto& [x, y, z, dx, dy, dz] : t.rows<6>("tension_points", 1, kMostPlaces, "row", expected)) {
+    const Vec3 along(dx, dy, dz);
+    if (!(along.norm() > 1e-6)) t.fail("tension_points", "holds lines that run nowhere" + expected);
+    s.tension.places.push_back({{x, y, z}, along.normalized()});
+  }
+  if (!s.tension.places.empty() && !s.tension.file.empty())
+    t.fail("tension_file", "is given beside tension_points; expected one of them");
+}
+
 void read_body(Table t, Scene& s, const std::string& file) {
   if (!t.present()) throw InputError(file, 0, "[body] is missing; expected source = \"block\" or \"obj\"");
   std::string source;
@@ -87,6 +101,7 @@ void read_body(Table t, Scene& s, const std::string& file) {
     if (t.has("texture")) t.path("texture", s.texture);
     t.real("scale_to_mm", s.obj.scale_to_mm, 0, 1e6, true);
     read_tags(t, s);
+    read_tension(t, s);
     t.direction("deep_direction", s.obj.deep_direction);
     t.real("deep_angle_deg", s.obj.deep_angle_deg, 0, 180);
     if (t.has("deep_center_mm")) t.vector("deep_center_mm", s.obj.deep_center_mm.emplace(Vec3::Zero()), 1e6);
@@ -157,6 +172,7 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
   build.choice("contact", [&](int v) {
     s.contact = v < 0 ? ContactChoice::automatic : v ? ContactChoice::on : ContactChoice::off;
   });
+  build.real("contact_friction", s.contact_friction, 0, 1);
   build.finish();
 
   Table springs = section(root, "springs", path);
@@ -241,6 +257,7 @@ std::vector<NamedFile> files_of_flesh(const Scene& s) {
   if (s.source == Scene::Source::obj) add(s.obj.path, "the surface that the scene names");
   for (const ColliderSpec& c : s.colliders) add(c.path, "a collider that the scene names");
   for (const RegionSpec& r : s.regions) add(r.volume, "a region that the scene names");
+  add(s.tension.file, "lines of tension that the scene names");
   for (const ThicknessSpec& t : s.thickness)
     for (const std::string& file : {t.file, t.down_to}) add(file, "thicknesses that the scene names");
   return out;
@@ -309,6 +326,7 @@ std::shared_ptr<const Body> build_body(const Scene& scene, SurfaceReport* report
     body->laws = scene.laws;
     if (!scene.texture.empty()) body->rgb.clear();  // a picture is finer
     for (const ColliderSpec& c : scene.colliders) body->colliders.push_back(load_collider(c));
+    if (scene.tension.given()) body->tension = tension_lines_of(scene.tension, *body);
     add_thickness(scene, *body);
     add_regions(scene, *body);
     if (const double side = (body->box_max_mm - body->box_min_mm).minCoeff(); scene.cell_mm > side)
@@ -348,7 +366,7 @@ WorldSpec world_spec(const Scene& scene, std::shared_ptr<const Body> body) {
   w.region_mm = scene.region_mm;
   w.fine = scene.fine, w.wound_level = scene.wound_level;
   w.dynamic = scene.dynamic;
-  w.contact = scene.contact;
+  w.contact = scene.contact, w.contact_friction = scene.contact_friction;
   w.gravity_m_s2 = scene.gravity_m_s2, w.loads = scene.loads;
   for (const SkinLoad& l : scene.loads)
     if (scene.load_level > 0)

@@ -8,7 +8,8 @@
 //                obj:   mesh = "file.obj" (relative to the scene file), scale_to_mm, deep_direction = [x, y, z],
 //                       deep_center_mm, deep_angle_deg, deep_plane_mm (obj.h), chart_origin_mm, chart_e1,
 //                chart_e2
-//                both:  tension_direction = [x, y, z]
+//                both:  tension_direction = [x, y, z]; obj: where its lines run differently in different places,
+//                tension_points = [[x, y, z, dx, dy, dz], ...] or tension_file of such rows
 //   [[layer]]    name, thickness_mm, young_kPa, poisson,
 //                density_kg_m3, prestretch_along, prestretch_across;
 //                from the skin down, one at least. Instead of
@@ -25,7 +26,8 @@
 //   [loads]      gravity_m_s2 = [x, y, z], patches of skin with a force on them: scene_loads.h
 //   [build]      can_cut, dynamic, contact = "auto" | true | false
 //                (do wound surfaces keep each other out? auto: as
-//                soon as something has been cut, the default)
+//                soon as something has been cut, the default),
+//                contact_friction (its coefficient, 0 to 1; 0, the default: none)
 //   [springs]    suture_N_per_mm, suture_bite_mm (a stitch holds its
 //                edge over so much to either side; 2), hook_N_per_mm,
 //                hook_tip_mm (radius of the skin that a hook holds; 2)
@@ -47,6 +49,7 @@
 #include "app/scene/scene_head.h"
 #include "sim/body/block.h"
 #include "sim/body/obj.h"
+#include "sim/body/tension_lines.h"
 #include "sim/body/thickness.h"
 #include "sim/commands/script.h"
 #include "sim/patient/world.h"
@@ -73,6 +76,7 @@ struct Scene {
   std::vector<ColliderSpec> colliders;   // what the tissue lies against
   std::vector<RegionSpec> regions;       // tissue of its own
   std::vector<int> region_line;          // where in the file each stands
+  TensionSpec tension;                   // of an obj's skin, where its lines of tension run differently by place
   std::string texture;  // of an obj's skin, a PNG or JPEG file; empty: what the OBJ's material names, if that is there
 
   double cell_mm = 3.5;
@@ -83,6 +87,7 @@ struct Scene {
   int wound_level = 0;
   bool can_cut = true, dynamic = false;
   ContactChoice contact = ContactChoice::automatic;
+  double contact_friction = 0;
   double suture_N_per_mm = 20, suture_bite_mm = 2, hook_N_per_mm = 0.5, hook_tip_mm = 2;
   uint64_t seed = 1;
   Vec3 gravity_m_s2 = Vec3::Zero();  // WorldSpec

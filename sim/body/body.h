@@ -40,6 +40,9 @@ struct Body {
   std::vector<float> soft_kPa_mm;
   std::vector<Vec3f> rgb;  // per vertex of the surface its own colour, sRGB, 0 to 1; empty: it looks like skin
   Vec3 tension_direction = Vec3::UnitX();
+  // Per vertex of the surface how its lines of tension run there, unit, in its plane; their sense means nothing. Empty:
+  // as tension_direction says, everywhere (tension_lines.h).
+  std::vector<Vec3f> tension;
   Vec3 box_min_mm = Vec3::Zero(), box_max_mm = Vec3::Zero();
   bool is_box = false;  // an axis-aligned block: the lattice is fitted to it exactly
   // Of a box, bit 2 axis + (0 low, 1 high): a side tagged `fixed` that holds along its axis and slides in its plane

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "sim/body/tension_lines.h"
 #include "sim/geometry/triangle.h"
 
 namespace limberg {
@@ -150,15 +151,17 @@ std::pair<int, int> Skin::layers_within(double depth_mm, double reach_mm) const 
 
 Skin::Frame Skin::frame(const Vec3& X) const {
   Frame f;
+  Vec3 lines = body_->tension_direction;
   if (any_) {
     const auto c = skin_.bvh().closest(X);
     const Tri& t = body_->surface.tri[size_t(c.triangle)];
     Vec3 n = Vec3::Zero();
     for (size_t k = 0; k < 3; ++k) n += c.bary[k] * skin_.corner_normal(t[k]);
     f.normal = n.norm() > 1e-6 ? n.normalized() : face_normal(body_->surface, c.triangle);
+    if (!body_->tension.empty()) lines = tension_along(*body_, c.triangle, c.bary);
   }
   // Where the tension lines stand upright on the skin, any direction in its plane is as good.
-  for (const Vec3& d : {body_->tension_direction, body_->chart_e1, body_->chart_e2}) {
+  for (const Vec3& d : {lines, body_->tension_direction, body_->chart_e1, body_->chart_e2}) {
     const Vec3 flat = d - d.dot(f.normal) * f.normal;
     if (flat.norm() > 1e-3) {
       f.along = flat.normalized();

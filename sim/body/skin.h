@@ -65,7 +65,7 @@ class Skin {
   bool even() const { return least_end_mm_.empty(); }
 
   /// Orthonormal, right-handed: along x across = normal. `normal` is the skin's (outward, interpolated between corners)
-  /// at the point nearest to X; `along` is Body::tension_direction laid into the skin plane.
+  /// at the point nearest to X; `along` is what Body::tension or tension_direction says, in the skin's plane.
   struct Frame {
     Vec3 normal = Vec3::UnitZ(), along = Vec3::UnitX(), across = Vec3::UnitY();
   };

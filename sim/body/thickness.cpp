@@ -1,60 +1,19 @@
 #include "sim/body/thickness.h"
 
 #include <algorithm>
-#define BOOST_ALLOW_DEPRECATED_HEADERS  // Boost 1.74 includes its own, and says so
-#include <boost/geometry.hpp>
-#include <boost/geometry/index/rtree.hpp>
-#include <cmath>
-#include <iterator>
 #include <optional>
 
 #include "sim/base/error.h"
 #include "sim/base/text_rows.h"
 #include "sim/base/whole_file.h"
+#include "sim/body/between_places.h"
 #include "sim/body/body.h"
 #include "sim/geometry/sided_patch.h"
 
 namespace limberg {
 namespace {
 
-constexpr size_t kNearest = 8;
 constexpr const char* kRow = "expected four numbers: x y z thickness, in mm";
-
-namespace bg = boost::geometry;
-using Place = bg::model::point<double, 3, bg::cs::cartesian>;
-using Numbered = std::pair<Place, size_t>;
-
-Place place_of(const Vec3& X) { return {X.x(), X.y(), X.z()}; }
-
-/// Places with thicknesses, and what is between them.
-class Between {
- public:
-  explicit Between(const std::vector<PlaceThickness>& points) : points_(points) {
-    std::vector<Numbered> all;
-    for (size_t i = 0; i < points.size(); ++i) all.emplace_back(place_of(points[i].at_mm), i);
-    tree_ = Tree(all);
-  }
-  double at(const Vec3& X) const {
-    std::vector<Numbered> found;
-    tree_.query(bg::index::nearest(place_of(X), unsigned(kNearest + 1)), std::back_inserter(found));
-    std::vector<std::pair<double, size_t>> near;  // distances
-    for (const auto& [at, i] : found) near.emplace_back((points_[i].at_mm - X).norm(), i);
-    std::sort(near.begin(), near.end());
-    if (near[0].first < 1e-6) return points_[near[0].second].thickness_mm;
-    const double R = near.size() > kNearest ? near.back().first : INFINITY;
-    double sum = 0, weights = 0;
-    for (const auto& [d, i] : near) {
-      const double root = std::isfinite(R) ? (R - d) / (R * d) : 1 / d;
-      sum += root * root * points_[i].thickness_mm, weights += root * root;
-    }
-    return weights > 0 ? sum / weights : points_[near[0].second].thickness_mm;
-  }
-
- private:
-  using Tree = bg::index::rtree<Numbered, bg::index::rstar<16>>;
-  const std::vector<PlaceThickness>& points_;
-  Tree tree_;
-};
 
 std::vector<float> down_to(const ThicknessSpec& spec, const Body& body, size_t layer) {
   ColliderSpec file;
@@ -127,9 +86,15 @@ std::vector<float> thickness_of(const ThicknessSpec& spec, const Body& body, siz
   if (!spec.file.empty())
     points =
         parse_thickness(read_whole_file(spec.file, ThicknessLimits::file_bytes, "thicknesses of a layer"), spec.file);
-  const Between between(points);
+  std::vector<Vec3> at;
+  for (const PlaceThickness& p : points) at.push_back(p.at_mm);
+  const BetweenPlaces between(at);
   std::vector<float> out;
-  for (const Vec3& X : body.surface.X_mm) out.push_back(float(between.at(X)));
+  for (const Vec3& X : body.surface.X_mm) {
+    double sum = 0, weights = 0;
+    for (const auto& [i, weight] : between.weights(X)) sum += weight * points[i].thickness_mm, weights += weight;
+    out.push_back(float(sum / weights));
+  }
   return out;
 }
 

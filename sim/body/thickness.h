@@ -6,9 +6,7 @@
 //   file      the same, one place a line: x y z thickness, in mm
 //   down_to   the surface that the layer ends on
 //
-// Between points the thickness is the mean of the nearest eight, by the weights of Franke and Nielson (1980): that of a
-// point at distance d is ((R - d) / (R d))^2, where R is the distance of the ninth. At a point it is that point's.
-// Beneath skin that ends on a surface it is what is left, along the skin's normal, below the layers above; where that
+// Between points the thickness is the mean of the nearest eight (between_places.h). Beneath skin that ends on a surface it is what is left, along the skin's normal, below the layers above; where that
 // line meets nothing within reach, the distance to the nearest place of the surface counts.
 #include <string>
 #include <string_view>

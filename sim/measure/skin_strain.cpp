@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "sim/base/elementary.h"
+#include "sim/body/tension_lines.h"
 #include "sim/fem/materials/catalogue.h"
 #include "sim/geometry/triangle.h"
 
@@ -160,8 +161,9 @@ std::vector<MembraneState> skin_states(const SurfaceView& view, std::span<const 
     }
     const double longest = std::max({(X[1] - X[0]).norm(), (X[2] - X[1]).norm(), (X[0] - X[2]).norm()});
     if (area_vector2(X[0], X[1], X[2]).norm() < kSliver_mm * longest) continue;
-    out[t] = law.points ? membrane_state(X, x, material, body.tension_direction, law)
-                        : membrane_state(X, x, material, body.tension_direction);
+    const Vec3 along = body.tension.empty() ? body.tension_direction
+                                            : tension_along(body, view.origin[t], Vec3((X[0] + X[1] + X[2]) / 3));
+    out[t] = law.points ? membrane_state(X, x, material, along, law) : membrane_state(X, x, material, along);
   }
   return out;
 }

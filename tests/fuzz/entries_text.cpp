@@ -32,6 +32,7 @@
 #include "calibration/calibration.h"
 #include "calibration/points_file.h"
 #include "sim/base/error.h"
+#include "sim/body/tension_lines.h"
 #include "sim/body/thickness.h"
 #include "sim/commands/script.h"
 #include "sim/imaging/register/landmark_pairs.h"
@@ -349,6 +350,14 @@ std::vector<Entry> text_entries(const Folder& folder) {
                            [](const std::string& text) -> std::string {
                              for (const PlaceThickness& t : parse_thickness(text, kNamed))
                                if (!t.at_mm.allFinite() || !(t.thickness_mm > 0)) return "a place without thickness";
+                             return "";
+                           }));
+  all.push_back(text_entry("tension_lines", {"sim/body/tension_lines.cpp"},
+                           {"# a face\n1 2 3 0 0 1\n-4, 5.5, 6, 1, -1, 0 # chin\n"},
+                           [](const std::string& text) -> std::string {
+                             for (const TensionPlace& t : parse_tension_lines(text, kNamed))
+                               if (!t.at_mm.allFinite() || !(std::abs(t.along.norm() - 1) < 1e-9))
+                                 return "a place whose lines run nowhere";
                              return "";
                            }));
   all.push_back(text_entry("tissues", {"app/scene/tissues.cpp"}, {shipped("app/scene/tissues.toml")},

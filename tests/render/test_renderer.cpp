@@ -429,6 +429,36 @@ TEST_F(Rendered, LinesAreSeenThroughTissueButFaintly) {
   EXPECT_LT(below, 0.6 * double(above));
 }
 
+// Where the lines run differently in different places, so do the dashes: along y on the one half, along x on the other.
+TEST_F(Rendered, TensionLinesByPlaceRunAsTheyDoThere) {
+  Snapshot s = sample_snapshot({.wound = false, .wave_mm = 0, .sutures = 0, .hooks = 0});
+  auto topology = std::make_shared<SurfaceTopology>(*s.topology);
+  auto body = std::make_shared<Body>(*topology->body);
+  body->surface.X_mm.assign(topology->view.X_mm.begin(), topology->view.X_mm.end());
+  body->surface.tri.assign(topology->view.tri.begin(), topology->view.tri.end());
+  for (const Vec3& X : body->surface.X_mm) body->tension.push_back(X.x() < 0 ? Vec3f::UnitY() : Vec3f::UnitX());
+  for (size_t t = 0; t < topology->view.tri.size(); ++t) topology->view.origin.set(t, int32_t(t));
+  topology->body = body;
+  s.topology = topology;
+  options.shadow = false;
+  const Image plain = draw(s);
+  options.tension_lines = true;
+  const Image lined = draw(s);
+  // Of a dark pixel the neighbour along the lines is dark as well; the one across hardly ever is.
+  const auto dark = [&](const Vec3f& at) {
+    const Vec3f p = view().to_pixel(at, options.width, options.height);
+    return lined.at(int(p.x()), int(p.y())).r + 20 < plain.at(int(p.x()), int(p.y())).r;
+  };
+  for (const float middle : {-14.f, 14.f}) {
+    int all = 0, along_x = 0, along_y = 0;
+    for (float x = middle - 10; x <= middle + 10; x += 0.2f)
+      for (float y = -12; y <= 12; y += 0.2f)
+        if (dark({x, y, 0})) ++all, along_x += dark({x + 1, y, 0}), along_y += dark({x, y + 1, 0});
+    EXPECT_GT(all, 200);
+    EXPECT_GT(middle < 0 ? along_y : along_x, 2 * (middle < 0 ? along_x : along_y)) << middle;
+  }
+}
+
 TEST_F(Rendered, TensionLinesRunAlongTheTension) {
   const Snapshot s = sample_snapshot({.wound = false, .wave_mm = 0, .sutures = 0, .hooks = 0});
   options.shadow = false;

@@ -11,9 +11,9 @@ namespace limberg {
 
 namespace {
 
-constexpr double kSameWay = 0.5;  // cosine of 60 degrees
-constexpr double kBeside_mm = 1;  // so far beside it is as good as at it
-constexpr int kEvenings = 3;      // passes over neighbours
+constexpr double kSameWay = 0.5;    // cosine of 60 degrees
+constexpr double kBesideIt_mm = 1;  // so far beside it is as good as at it
+constexpr int kEvenings = 3;        // passes over neighbours
 
 std::vector<Vec3> normals_of(const Surface& s) {
   std::vector<Vec3> n(s.x_mm.size(), Vec3::Zero());
@@ -42,7 +42,7 @@ Vote vote_of(const SurfaceTarget& surface, const Similarity& map, const Similari
   v.along_mm = n.dot(to);
   // What lies beside it rather than above or below is where the faces that look this way end.
   v.there = !p.border && way.dot(p.normal) >= kSameWay &&
-            std::abs(v.along_mm) >= kSameWay * std::max(0., to.norm() - kBeside_mm);
+            std::abs(v.along_mm) >= kSameWay * std::max(0., to.norm() - kBesideIt_mm);
   return v;
 }
 

@@ -11,6 +11,7 @@
 #include "sim/geometry/bvh.h"
 #include "sim/geometry/io/obj_text.h"
 #include "sim/imaging/anatomical/eye_shape.h"
+#include "sim/imaging/anatomical/face_lines.h"
 #include "sim/imaging/anatomical/face_tissue.h"
 #include "sim/imaging/anatomical/lid_bed.h"
 #include "sim/imaging/anatomical/mouth_bed.h"
@@ -118,6 +119,29 @@ TEST(FaceTissue, IsClosedAsThickAsItSaysAndTheShippedOne) {
   EXPECT_EQ(euler_of_closed(face), 2);
   is_as_thick_as_it_says(face);
   has_parts_on_both_sides(face, 4);
+}
+
+// The shipped lines lie on the shipped face, alike on both halves, and run there as the drawings have it.
+TEST(FaceTissue, LinesOfTensionAreThoseThatItsRulesMake) {
+  const ObjText file =
+      parse_obj_text(read_whole_file(source_dir() + "/app/scenes/anatomical_face.obj"), "shipped", {100'000, 200'000});
+  std::vector<Tri> tri;
+  for (const ObjText::Face& f : file.face)
+    tri.push_back({file.corner[f.first].v, file.corner[f.first + 1].v, file.corner[f.first + 2].v});
+  const std::vector<TensionPlace> made = face_tension_lines(file.v, tri);
+  const std::string name = source_dir() + "/app/scenes/anatomical_tension.txt";
+  const std::vector<TensionPlace> shipped = parse_tension_lines(read_whole_file(name), name);
+  ASSERT_EQ(made.size(), shipped.size()) << "./do face makes the file anew";
+  ASSERT_GT(made.size(), 130u);
+  for (size_t i = 0; i < made.size(); ++i) {
+    EXPECT_LT((made[i].at_mm - shipped[i].at_mm).cwiseAbs().maxCoeff(), 0.07) << i;
+    EXPECT_GT(std::abs(made[i].along.dot(shipped[i].along)), 0.9999) << i;
+    const auto mirrored = std::find_if(made.begin(), made.end(), [&](const TensionPlace& o) {
+      return (o.at_mm - made[i].at_mm.cwiseProduct(Vec3(-1, 1, 1))).norm() < 1e-9 &&
+             std::abs(o.along.dot(made[i].along.cwiseProduct(Vec3(-1, 1, 1)))) > 0.9999;
+    });
+    EXPECT_NE(mirrored, made.end()) << i;
+  }
 }
 
 TEST(FaceTissue, PartedLipsHaveMarginsAndLieBeforeTeeth) {
