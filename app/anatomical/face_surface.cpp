@@ -64,13 +64,13 @@ void write_mesh(const TriMesh& m, const std::string& file) {
 }
 
 void write_lines(const FaceTissue& f, const std::string& file) {
-  const std::vector<TensionPlace> places = face_tension_lines(f.X_mm, f.tri);
+  const std::vector<FaceLine> places = face_tension_lines(f.X_mm, f.tri);
   auto out = fmt::output_file(file);
   out.print(
       "# Relaxed skin tension lines of the face, made by limberg_face_surface (sim/imaging/anatomical/face_lines.h "
       "names\n"
       "# sources): a place, mm, x right, y forwards, z up; and the way of the lines there.\n");
-  for (const TensionPlace& p : places)
+  for (const FaceLine& p : places)
     out.print("{:.1f} {:.1f} {:.1f}  {:.3f} {:.3f} {:.3f}\n", p.at_mm.x(), p.at_mm.y(), p.at_mm.z(), p.along.x(),
               p.along.y(), p.along.z());
   std::printf("%s: %zu places\n", file.c_str(), places.size());

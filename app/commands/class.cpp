@@ -29,6 +29,7 @@
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/commands/script.h"
+#include "sim/commands/texture_script.h"
 #include "sim/patient/world.h"
 
 namespace limberg {
@@ -91,8 +92,10 @@ Against held_against(const ClassOptions& o, const std::vector<FoundSession>& all
     a.lesson = open_lesson(file);
   const std::string stem = a.lesson ? fs::path(a.lesson->file).stem().string() : "";
   const std::string script = stem.empty() ? "" : shipped_file("recordings/" + stem + ".jsonl");
-  if (!script.empty())
-    for (const ScriptLine& l : load_script(script).lines) a.script.push_back(l.command);
+  if (!script.empty()) {
+    const Script s = load_script(script);
+    a.script = acts_on(has_texture_places(s) ? open_scene(s.header.scene) : Scene(), s);
+  }
   if (o.no_expert) return a;
   a.expert =
       o.expert.empty() ? stem.empty() ? "" : shipped_file("recordings/" + stem + ".lcm") : given_or_shipped(o.expert);

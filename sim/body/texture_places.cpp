@@ -21,6 +21,7 @@ std::optional<Vec3> place_on_texture(const Body& body, const Eigen::Vector2d& uv
   std::optional<Vec3> found;
   double best = -1;  // the least share of a corner: how far within its triangle
   for (size_t t = 0; t < m.tri.size(); ++t) {
+    if (!m.tag.empty() && m.tag[t] != SurfaceTag::skin) continue;  // what lies beneath may wear the picture, too
     const Eigen::Vector2d a = m.uv[t][0].cast<double>(), b = m.uv[t][1].cast<double>() - a,
                           c = m.uv[t][2].cast<double>() - a, p = uv - a;
     const double area2 = b.x() * c.y() - b.y() * c.x();

@@ -8,8 +8,8 @@
 
 namespace limberg {
 
-/// Where texture coordinates lie on the surface at rest, mm: (0, 0) is the picture's lower left corner, (1, 1) its upper
-/// right one. Nothing, and why, where the surface has no texture coordinates, no triangle has these, or two places that
+/// Where texture coordinates lie on the skin at rest, mm: (0, 0) is the picture's lower left corner, (1, 1) its
+/// upper right one. Nothing, and why, where it has no texture coordinates, no triangle has these, or two places that
 /// lie more than a hundredth of a millimetre apart have.
 std::optional<Vec3> place_on_texture(const Body& body, const Eigen::Vector2d& uv, std::string& reason);
 

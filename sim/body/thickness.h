@@ -6,8 +6,9 @@
 //   file      the same, one place a line: x y z thickness, in mm
 //   down_to   the surface that the layer ends on
 //
-// Between points the thickness is the mean of the nearest eight (between_places.h). Beneath skin that ends on a surface it is what is left, along the skin's normal, below the layers above; where that
-// line meets nothing within reach, the distance to the nearest place of the surface counts.
+// Between points the thickness is the mean of the nearest eight (between_places.h). Beneath skin that ends on a surface
+// it is what is left, along the skin's normal, below the layers above; where that line meets nothing within reach, the
+// distance to the nearest place of the surface counts.
 #include <string>
 #include <string_view>
 #include <vector>

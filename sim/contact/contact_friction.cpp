@@ -8,8 +8,8 @@
 namespace limberg {
 namespace {
 
-// Of the stiffness along the normal. So a pair under the usual push (k times some .03 mm) gives by mu times .1 mm before
-// it slides.
+// Of the stiffness along the normal. So a pair under the usual push (k times some .03 mm) gives by mu times .1 mm
+// before it slides.
 constexpr double kGrip = 0.25;
 // A push is measured anew when it has changed by so much of itself, or of what presses a place by a thousandth of a
 // millimetre: less is not felt, and would hand the solver new contacts for ever.

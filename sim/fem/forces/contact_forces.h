@@ -22,7 +22,8 @@ class ContactForces {
   ContactForces(const FemModel& model, std::span<const Contact> contacts);  // on the calling thread
 
   /// Throws InputError for a node outside the model, a normal that is not of unit length, a stiffness that is not
-  /// positive, a negative softness, or friction without a spring. Whatever it throws, memory that is short included, leaves no contacts.
+  /// positive, a negative softness, or friction without a spring. Whatever it throws, memory that is short included,
+  /// leaves no contacts.
   void set(const FemModel& model, std::span<const Contact> contacts, Workers& workers);
 
   /// Adds the forces to g (as a gradient; fixed nodes included) and returns the energy. `measure`: also adds the norm

@@ -216,8 +216,8 @@ struct DeadLoad {
 /// p = gap - n.(x_a - x_b): no energy for p <= 0, k p^3 / (6 soft) up to p = soft, from there a parabola of curvature k
 /// that continues it with force and slope: k ((p - soft/2)^2 / 2 + soft^2 / 24). It pushes, never pulls.
 ///
-/// Friction: what of x_a - x_b - stick lies across the normal, y, is drawn back by grip_k y, up to hold: energy
-/// grip_k y^2 / 2 to y = hold / grip_k, from there hold (y - hold / (2 grip_k)). The hold stands still while a minimiser
+/// Friction: what of x_a - x_b - stick lies across the normal, y, is drawn back by grip y, up to hold: energy
+/// grip y^2 / 2 to y = hold / grip, from there hold (y - hold / (2 grip)). The hold stands still while a minimiser
 /// works (it is a share of a push that was found before), so that there is an energy.
 struct Contact {
   EmbeddedPoint a, b;

@@ -91,10 +91,10 @@ const Seen kSide[] = {
 
 }  // namespace
 
-std::vector<TensionPlace> face_tension_lines(std::span<const Vec3> X_mm, std::span<const Tri> tri) {
+std::vector<FaceLine> face_tension_lines(std::span<const Vec3> X_mm, std::span<const Tri> tri) {
   const Bvh surface(X_mm, tri);
   constexpr double kFar_mm = 300;
-  std::vector<TensionPlace> out;
+  std::vector<FaceLine> out;
   const auto add = [&](const Vec3& from, const Vec3& towards, const Vec3& along) {
     const std::vector<Bvh::LineHit> hits = surface.line(from, towards, 0, kFar_mm);
     if (hits.empty()) return;  // the surface ends before

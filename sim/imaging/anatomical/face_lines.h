@@ -1,5 +1,6 @@
 #pragma once
-// Relaxed skin tension lines of the face, as a list of places with the way that the lines run there (tension_lines.h).
+// Relaxed skin tension lines of the face, as a list of places with the way that the lines run there
+// (body/tension_lines.h).
 //
 //   Borges and Alexander 1962   Relaxed skin tension lines, Z-plasties on scars, and fusiform excision of lesions,
 //                               Br J Plast Surg 15:242
@@ -13,11 +14,15 @@
 #include <span>
 #include <vector>
 
-#include "sim/body/tension_lines.h"
+#include "sim/geometry/vec.h"
 
 namespace limberg {
 
+struct FaceLine {
+  Vec3 at_mm = Vec3::Zero(), along = Vec3::UnitX();  // along: unit; its sense means nothing
+};
+
 /// Of a face in the frame of the anatomical head (x right, y forwards, z up), both halves, on its triangles.
-std::vector<TensionPlace> face_tension_lines(std::span<const Vec3> X_mm, std::span<const Tri> tri);
+std::vector<FaceLine> face_tension_lines(std::span<const Vec3> X_mm, std::span<const Tri> tri);
 
 }  // namespace limberg

@@ -29,8 +29,8 @@ void move(simplex::Mesh& m, const Eigen::Isometry3d& by) {
 }  // namespace
 
 /// Of a head's tissue in a CT most has the density of water, give or take; what lies between that and air is hair, the
-/// skin's outermost voxels and the rims of cavities. In an MRI whose air is 0, taken for a CT, it is the other way round.
-/// In percent; 0 where nothing is denser than air.
+/// skin's outermost voxels and the rims of cavities. In an MRI whose air is 0, taken for a CT, it is the other way
+/// round. In percent; 0 where nothing is denser than air.
 int thin_tissue_percent(const Volume& v, double offset) {
   int64_t thin = 0, soft = 0;
   for (const float x : v.value) {

@@ -114,8 +114,9 @@ TEST_F(APocket, WhatComesToRestIsLookedAtAgain) {
   EXPECT_EQ(finder.counts().queries, before);
 }
 
-// The roof is pressed upon its floor and drawn over it by 3 mm, a tenth of a millimetre a step, so that every pair finds
-// another foot many times: friction holds it back all the while, by its share of the push; and turns round when it does.
+// The roof is pressed upon its floor and drawn over it by 3 mm, a tenth of a millimetre a step, so that every pair
+// finds another foot many times: friction holds it back all the while, by its share of the push; and turns round when
+// it does.
 TEST_F(APocket, WhatIsDrawnOverItsBedIsHeldBack) {
   constexpr double kMu = 0.2;
   ContactFinder finder(surface, model(), kMu);

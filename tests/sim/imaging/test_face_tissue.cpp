@@ -8,6 +8,7 @@
 #include "app/program/places.h"
 #include "app/session/workers_pool.h"
 #include "sim/base/whole_file.h"
+#include "sim/body/tension_lines.h"
 #include "sim/geometry/bvh.h"
 #include "sim/geometry/io/obj_text.h"
 #include "sim/imaging/anatomical/eye_shape.h"
@@ -128,7 +129,7 @@ TEST(FaceTissue, LinesOfTensionAreThoseThatItsRulesMake) {
   std::vector<Tri> tri;
   for (const ObjText::Face& f : file.face)
     tri.push_back({file.corner[f.first].v, file.corner[f.first + 1].v, file.corner[f.first + 2].v});
-  const std::vector<TensionPlace> made = face_tension_lines(file.v, tri);
+  const std::vector<FaceLine> made = face_tension_lines(file.v, tri);
   const std::string name = source_dir() + "/app/scenes/anatomical_tension.txt";
   const std::vector<TensionPlace> shipped = parse_tension_lines(read_whole_file(name), name);
   ASSERT_EQ(made.size(), shipped.size()) << "./do face makes the file anew";
@@ -136,7 +137,7 @@ TEST(FaceTissue, LinesOfTensionAreThoseThatItsRulesMake) {
   for (size_t i = 0; i < made.size(); ++i) {
     EXPECT_LT((made[i].at_mm - shipped[i].at_mm).cwiseAbs().maxCoeff(), 0.07) << i;
     EXPECT_GT(std::abs(made[i].along.dot(shipped[i].along)), 0.9999) << i;
-    const auto mirrored = std::find_if(made.begin(), made.end(), [&](const TensionPlace& o) {
+    const auto mirrored = std::find_if(made.begin(), made.end(), [&](const FaceLine& o) {
       return (o.at_mm - made[i].at_mm.cwiseProduct(Vec3(-1, 1, 1))).norm() < 1e-9 &&
              std::abs(o.along.dot(made[i].along.cwiseProduct(Vec3(-1, 1, 1)))) > 0.9999;
     });

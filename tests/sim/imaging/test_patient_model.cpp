@@ -69,7 +69,7 @@ void numbers_are_recognised() {
   EXPECT_EQ(hounsfield_offset(v, why), 0);
   for (float& x : v.value) x = 3 * x + 7000;
   EXPECT_THROW(hounsfield_offset(v, why), InputError);
-  // As an MRI would show it: air and bone dark, fat brightest, muscle grey, and a coil that sees one side twice as well.
+  // As an MRI would show it: air and bone dark, fat brightest, muscle grey, and a coil that sees one side better.
   v = turned().ct;
   for (size_t i = 0; i < v.value.size(); ++i) {
     const double hu = double(v.value[i]) - 1024, near = 1 + double(i % size_t(v.size[0])) / v.size[0];

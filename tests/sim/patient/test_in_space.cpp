@@ -328,7 +328,7 @@ TEST(InSpace, LinesGoThereAndBack) {
     EXPECT_THROW(line(mixed), InputError) << mixed;
 }
 
-// A picture that lies over the skin as the chart does: an act by its texture is the act on the chart, whatever the cells.
+// A picture that lies over the skin as the chart does: an act by its texture is the act on the chart.
 TEST(ByTexture, AnActIsThatOfThePlacesWhereItsTextureLies) {
   InlineWorkers workers;
   WorldSpec spec = test::small_block({});
@@ -396,6 +396,9 @@ TEST(ByTexture, APlaceThatIsTwoIsRefused) {
   EXPECT_LT((*edge - Vec3(2, 2, 0)).norm(), 1e-5);
   EXPECT_TRUE(place_on_texture(body, {2.2, 2.2}, reason));
   body.surface.uv[2] = {V(0, 0), V(1, 0), V(0, 1)};
+  body.surface.tag = {SurfaceTag::skin, SurfaceTag::skin, SurfaceTag::fixed};
+  EXPECT_TRUE(place_on_texture(body, {0.3, 0.2}, reason)) << "what is no skin does not count";
+  body.surface.tag.clear();
   EXPECT_FALSE(place_on_texture(body, {0.3, 0.2}, reason));
   EXPECT_NE(reason.find("two places"), std::string::npos) << reason;
 }

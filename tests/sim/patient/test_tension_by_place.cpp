@@ -57,8 +57,8 @@ double gape_mm(const Snapshot& s, double y) {
   return sum[1] / n[1] - sum[0] / n[0];
 }
 
-// One half of the skin is drawn along x, the other along y, and both slits lie along y. (Side by side they would not do:
-// what draws harder would draw the other half along.)
+// One half of the skin is drawn along x, the other along y, and both slits lie along y. (Side by side they would not
+// do: what draws harder would draw the other half along.)
 TEST(TensionByPlace, ASlitOpensWhereItLiesAcrossTheLines) {
   const Snapshot s = slit_twice(block([](Body& b) {
     for (const Vec3& X : b.surface.X_mm) b.tension.push_back(X.y() < 0 ? Vec3f::UnitX() : Vec3f::UnitY());
