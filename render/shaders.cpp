@@ -128,12 +128,15 @@ float tension_line() {
   float row = floor(v_chart.y / cell.y), shift = 0.5 * cell.x * mod(row, 2.0);
   vec2 at = vec2(mod(v_chart.x + shift, cell.x) - 0.5 * cell.x, v_chart.y - (row + 0.5) * cell.y);
   float half_turn = 0.5 * atan(v_tension.y, v_tension.x);
-  vec2 along = vec2(cos(half_turn), sin(half_turn));
-  vec2 wide = fwidth(v_chart);
-  float w = max(max(wide.x, wide.y), 1e-6), s = abs(dot(at, vec2(-along.y, along.x))) / w;
+  vec2 along = vec2(cos(half_turn), sin(half_turn)), across = vec2(-along.y, along.x);
+  vec2 right = dFdx(v_chart), up = dFdy(v_chart);
+  float w = max(length(vec2(dot(across, right), dot(across, up))), 1e-6);  // mm a pixel, across and along
+  float l = max(length(vec2(dot(along, right), dot(along, up))), 1e-6);
   float reach = min(2.1, 0.45 * min(cell.x / max(abs(along.x), 1e-3), cell.y / max(abs(along.y), 1e-3)));
-  float end = (reach - abs(dot(at, along))) / w;
-  return (1.0 - smoothstep(0.7, 1.5, s)) * clamp(end, 0.0, 1.0) * clamp(1.6 - 1.0 * w, 0.0, 1.0);
+  float s = abs(dot(at, across)) / w, end = (reach - abs(dot(at, along))) / l;
+  // Where the skin stands upright on the chart a cell of it is long: no dashes there.
+  float flat_on = abs(right.x * up.y - right.y * up.x) / max(length(cross(dFdx(v_rest), dFdy(v_rest))), 1e-9);
+  return (1.0 - smoothstep(0.7, 1.5, s)) * clamp(end, 0.0, 1.0) * clamp(1.6 - w, 0.0, 1.0) * smoothstep(0.2, 0.4, flat_on);
 #else
   float s = dot(v_chart, vec2(-tension.y, tension.x)) * 0.25, w = fwidth(s), row = floor(s + 0.5);
   float d = abs(s - row) / max(w, 1e-6), dash = fract(dot(v_chart, tension) / 7.0 + 0.37 * row);

@@ -121,8 +121,8 @@ struct Scene {
   const std::vector<Layer>& layers() const { return source == Source::block ? block.layers : obj.layers; }
 };
 
-/// The surfaces of its flesh that a scene names, thicknesses and lines of tension, in order: what goes into its hash and
-/// its recordings.
+/// The surfaces of its flesh that a scene names, thicknesses and lines of tension, in order: what goes into its hash
+/// and its recordings.
 struct NamedFile {
   std::string path;
   const char* what;  // in messages

@@ -1,6 +1,7 @@
 #pragma once
 // What is known at places, between them: the mean of the nearest eight, by the weights of Franke and Nielson (1980):
-// that of a place at distance d is ((R - d) / (R d))^2, where R is the distance of the ninth. At a place it is that place's.
+// that of a place at distance d is ((R - d) / (R d))^2, where R is the distance of the ninth. At a place it is that
+// of the place.
 #include <memory>
 #include <span>
 #include <utility>

@@ -273,6 +273,14 @@ Result features(const Scene& scene, const FeatureSettings& set) {
                {{"off, nothing cut", patient(base)}, {"auto, nothing cut", patient(changed(base, touch)), true}});
     trials.add("contact in a wound",
                {{"off, one incision", patient(cut)}, {"auto, one incision", patient(changed(cut, touch))}});
+    // Sewn, so that edges press: without a coefficient friction costs nothing.
+    const FeaturePatient sewn = changed(cut, [&](FeaturePatient& p) {
+      touch(p);
+      p.acts.push_back(SutureRow{{{-18, 1}, {18, 1}}, {{-18, -1}, {18, -1}}, 2});
+    });
+    trials.add("friction of contact",
+               {{"off, sewn", patient(sewn)},
+                {"0.1, sewn", patient(changed(sewn, [](FeaturePatient& p) { p.spec.contact_friction = 0.1; }))}});
   }
   if (wanted("divided fronts")) {
     const auto divide = [](FeaturePatient& p) { p.spec.refine_fronts = true; };
