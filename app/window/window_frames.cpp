@@ -669,7 +669,10 @@ struct WindowFrames::Impl {
     take_waiting(s, width, height);
     if (!first) {
       first = s;
-      if (coach && look_at_plan(camera, coach->plan(), s)) set.camera = camera;
+      if (coach && look_at_plan(camera, coach->plan(), s)) {
+        set.camera = camera;
+        builder.seen_from(camera), before_builder.seen_from(camera);
+      }
     }
     hand = tool, now = &s;
     if (coach) {

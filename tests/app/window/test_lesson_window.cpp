@@ -117,6 +117,16 @@ TEST_F(LessonWindow, DrawsThePlanOnAFace) {
   w.shoot("cheek-rhomboid-begins");
 }
 
+// The scene's eye is at the other cheek, or at this one: the lesson looks at its plan by the same light.
+TEST_F(LessonWindow, TheLampStandsOverThePlanWhereverTheSceneLooksFrom) {
+  const Shipped of("cheek-rhomboid");
+  Scene other = of.scene;
+  other.camera.from.x() *= -1;
+  Window one(of.scene, of.plan, of.patient), two(other, of.plan, of.patient);
+  one.key('S'), two.key('S');  // one quality, whatever the machine's speed
+  EXPECT_LT(different(one.frames->picture(), two.frames->picture(), 180, 110, 1000, 620), 300);
+}
+
 TEST_F(LessonWindow, AsksAnswersShowsAndSumsUp) {
   const Shipped of("rhomboid");
   Window w(of.scene, of.plan, of.patient);
