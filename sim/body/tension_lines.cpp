@@ -2,12 +2,11 @@
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
-#include <optional>
 
 #include "sim/base/error.h"
-#include "sim/base/text_rows.h"
 #include "sim/base/whole_file.h"
 #include "sim/body/between_places.h"
+#include "sim/body/place_rows.h"
 #include "sim/geometry/triangle.h"
 
 namespace limberg {
@@ -22,28 +21,12 @@ Vec3 laid_flat(const Vec3& d, const Vec3& normal) { return d - d.dot(normal) * n
 
 std::vector<TensionPlace> parse_tension_lines(std::string_view text, const std::string& file) {
   std::vector<TensionPlace> out;
-  size_t at = 0;
-  std::string_view row, word;
-  for (int line = 1; next_line(text, at, row); ++line) {
-    row = row.substr(0, row.find('#'));
-    double value[6];
-    size_t given = 0;
-    const auto fail = [&](const std::string& what) { throw InputError(file, line, what + "; " + kTensionRow); };
-    for (; next_word(row, word, " \t,\r"); ++given) {
-      if (given == 6) fail("holds more than six numbers");
-      const std::optional<double> v = finite_number(word);
-      if (!v) fail("holds something that is no number");
-      value[given] = *v;
-    }
-    if (given == 0) continue;
-    if (given < 6) fail("holds " + std::to_string(given) + " numbers");
-    const Vec3 X(value[0], value[1], value[2]), d(value[3], value[4], value[5]);
-    if (X.cwiseAbs().maxCoeff() > 1e4) fail("is farther than 10 m from the origin");
+  read_place_rows<6>(text, file, "six", kTensionRow, [&](const Vec3& X, const auto& value, const auto& fail) {
+    const Vec3 d(value[3], value[4], value[5]);
     if (!(d.norm() > 1e-6 && d.norm() < 1e6)) fail("has lines that run nowhere");
     if (out.size() == TensionLimits::places) fail("is one place more than " + std::to_string(out.size()));
     out.push_back({X, d.normalized()});
-  }
-  if (out.empty()) throw InputError(file, 0, std::string("holds no place; ") + kTensionRow + " in every line");
+  });
   return out;
 }
 

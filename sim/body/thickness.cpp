@@ -4,10 +4,10 @@
 #include <optional>
 
 #include "sim/base/error.h"
-#include "sim/base/text_rows.h"
 #include "sim/base/whole_file.h"
 #include "sim/body/between_places.h"
 #include "sim/body/body.h"
+#include "sim/body/place_rows.h"
 #include "sim/geometry/sided_patch.h"
 
 namespace limberg {
@@ -54,29 +54,12 @@ std::vector<float> down_to(const ThicknessSpec& spec, const Body& body, size_t l
 
 std::vector<PlaceThickness> parse_thickness(std::string_view text, const std::string& file) {
   std::vector<PlaceThickness> out;
-  size_t at = 0;
-  std::string_view row, word;
-  for (int line = 1; next_line(text, at, row); ++line) {
-    row = row.substr(0, row.find('#'));
-    double value[4];
-    size_t given = 0;
-    const auto fail = [&](const std::string& what) { throw InputError(file, line, what + "; " + kRow); };
-    for (; next_word(row, word, " \t,\r"); ++given) {
-      if (given == 4) fail("holds more than four numbers");
-      const std::optional<double> v = finite_number(word);
-      if (!v) fail("holds something that is no number");
-      value[given] = *v;
-    }
-    if (given == 0) continue;
-    if (given < 4) fail("holds " + std::to_string(given) + " numbers");
-    const Vec3 X(value[0], value[1], value[2]);
-    if (X.cwiseAbs().maxCoeff() > 1e4) fail("is farther than 10 m from the origin");
+  read_place_rows<4>(text, file, "four", kRow, [&](const Vec3& X, const auto& value, const auto& fail) {
     if (!(value[3] >= ThicknessLimits::least_mm && value[3] <= ThicknessLimits::most_mm))
       fail("has a thickness that is not from 0.1 to 100 mm");
     if (out.size() == ThicknessLimits::points) fail("is one place more than " + std::to_string(out.size()));
     out.push_back({X, value[3]});
-  }
-  if (out.empty()) throw InputError(file, 0, std::string("holds no place; ") + kRow + " in every line");
+  });
   return out;
 }
 

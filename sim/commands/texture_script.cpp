@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "sim/base/error.h"
 
@@ -14,24 +15,26 @@ bool has_texture_places(const Script& script) {
   });
 }
 
+std::optional<InSpace> on_texture(InSpace act, const Body& body, std::string& reason) {
+  std::vector<ChartPoint> points;
+  for (const Vec3& given : places_of(act)) {
+    const auto X = std::isnan(given.z()) ? place_on_texture(body, given.head<2>(), reason) : given;
+    if (!X) return std::nullopt;
+    act.z_mm[points.size()] = X->z();
+    points.emplace_back(X->x(), X->y());
+  }
+  act.act = with_points(act, points);
+  return act;
+}
+
 Script on_texture(Script script, const Body& body) {
   for (ScriptLine& l : script.lines) {
     auto* c = std::get_if<InSpace>(&l.command);
     if (!c || !has_texture_places(*c)) continue;
-    std::vector<ChartPoint> points;
-    const std::vector<Vec3> places = places_of(*c);
-    for (size_t i = 0; i < places.size(); ++i) {
-      Vec3 X = places[i];
-      if (std::isnan(X.z())) {
-        std::string reason;
-        const auto at = place_on_texture(body, X.head<2>(), reason);
-        if (!at) throw InputError(script.name, l.line, reason);
-        X = *at;
-      }
-      points.emplace_back(X.x(), X.y());
-      c->z_mm[i] = X.z();
-    }
-    c->act = with_points(*c, points);
+    std::string reason;
+    auto laid = on_texture(std::move(*c), body, reason);
+    if (!laid) throw InputError(script.name, l.line, reason);
+    *c = *std::move(laid);
   }
   return script;
 }

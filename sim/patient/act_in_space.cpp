@@ -1,9 +1,8 @@
 // Acts whose places are given in space: cuts look at the skin through a plane of their own (body/skin_view.h); hooks
 // and stitches, which need no plane, find each place by itself, and rows run along their two paths.
 #include <algorithm>
-#include <cmath>
 
-#include "sim/body/texture_places.h"
+#include "sim/commands/texture_script.h"
 #include "sim/geometry/polyline.h"
 #include "sim/patient/soft_tissue.h"
 
@@ -50,14 +49,12 @@ struct Looking {
 }  // namespace
 
 Acted<TissueChange> SoftTissue::act_in_space(const InSpace& c) {
-  std::vector<Vec3> places = places_of(c);
-  for (Vec3& X : places) {
-    if (!std::isnan(X.z())) continue;
+  if (has_texture_places(c)) {
     std::string reason;
-    const auto at = place_on_texture(tissue_.body(), X.head<2>(), reason);
-    if (!at) return {false, reason};
-    X = *at;
+    const auto laid = on_texture(c, tissue_.body(), reason);
+    return laid ? act_in_space(*laid) : Acted<TissueChange>{false, reason};
   }
+  const std::vector<Vec3> places = places_of(c);
   const bool cuts = std::holds_alternative<Incise>(c.act) || std::holds_alternative<Undermine>(c.act) ||
                     std::holds_alternative<Excise>(c.act);
   const auto carried_out = [&](const SkinAct& act) {

@@ -1,6 +1,6 @@
 #pragma once
-// One-sided springs between places of the tissue, s = n.(x_a - x_b) - gap, with the law of contact_law.h, and the
-// friction of those that have some.
+// One-sided springs between places of the tissue, s = n.(x_a - x_b) - gap, with the law of contact_law.h, and
+// friction across n where a contact has a hold.
 //
 // Normals, gaps and what friction may bear stand still while the minimiser works; whoever finds contacts turns them
 // between steps. Sums over nodes run in single precision, four numbers at a time; what is summed

@@ -2,6 +2,7 @@
 // closed forms, the reference, and nothing when there are none.
 #include <gtest/gtest.h>
 
+#include "contact_checks.h"
 #include "models.h"
 #include "sim/base/error.h"
 #include "sim/fem/forces/contact_forces.h"
@@ -95,38 +96,19 @@ std::vector<Contact> random_contacts(const Slabs& s, int count, uint64_t seed) {
   return out;
 }
 
-NodeArray nodes_of(const std::vector<Vec3>& u) {
-  NodeArray a(u.size());
-  for (size_t i = 0; i < u.size(); ++i) a[i] = {float(u[i][0]), float(u[i][1]), float(u[i][2]), 0};
-  return a;
-}
-
 TEST(ContactForces, GradientIsTheDerivativeOfTheEnergy) {
   const Slabs s = two_slabs(3, 1, 12, 4, 30, 0.3);
   const std::vector<Contact> contacts = random_contacts(s, 40, 3);
   fem::ContactForces f(s.model, contacts);
   const std::vector<Vec3> u = test::random_displacement(s.model, 0.5, 11);
-  NodeArray at = nodes_of(u), g(u.size()), ignored(u.size());
+  NodeArray at = test::nodes_of(u), g(u.size());
   const double energy = f.add(at, g, false);
   int pressed = 0;
   for (size_t i = 0; i < f.size(); ++i) pressed += f.clearance_mm(i, at) < 0;
   EXPECT_GT(pressed, 5);
   EXPECT_LT(pressed, 36);  // some are apart: both branches are met
   EXPECT_GT(energy, 0);
-  const auto shifted = [&](size_t i, int axis, double d) {
-    NodeArray v = at;
-    (&v[i].x)[axis] += float(d);
-    return std::pair(f.add(v, ignored, false), double((&v[i].x)[axis]));
-  };
-  double worst = 0, largest = 0;
-  for (size_t i = 0; i < u.size(); ++i)
-    for (int axis = 0; axis < 3; ++axis) {
-      const double h = 1.0 / 1024;
-      const auto [e1, x1] = shifted(i, axis, h);
-      const auto [e0, x0] = shifted(i, axis, -h);
-      worst = std::max(worst, std::abs((e1 - e0) / (x1 - x0) - double((&g[i].x)[axis])));
-      largest = std::max(largest, double(std::abs((&g[i].x)[axis])));
-    }
+  const auto [worst, largest] = test::against_differences(f, at, g);
   // Central differences of a piecewise quadratic: exact but where
   // a contact opens within the step, there k h / 4 at most.
   EXPECT_LT(worst, 900.0 / 1024 / 4 + 1e-5 * largest);
@@ -151,18 +133,7 @@ TEST(ContactForces, TheReferenceHessianIsTheDerivativeOfItsGradient) {
   const ReferenceElasticity none(s.model, {}), with(s.model, {}, contacts);
   const std::vector<Vec3> u = test::random_displacement(s.model, 0.2, 17);
   const Eigen::MatrixXd H = with.dense_hessian(u, false) - none.dense_hessian(u, false);
-  const double h = 1e-4;
-  for (size_t i = 0; i < u.size(); i += 3)
-    for (int axis = 0; axis < 3; ++axis) {
-      std::vector<Vec3> a = u, b = u, ga, gb, na, nb;
-      a[i][axis] += h, b[i][axis] -= h;
-      with.gradient(a, ga), with.gradient(b, gb), none.gradient(a, na), none.gradient(b, nb);
-      for (size_t j = 0; j < u.size(); ++j)
-        EXPECT_LT((((ga[j] - na[j]) - (gb[j] - nb[j])) / (2 * h) -
-                   H.block<3, 1>(Eigen::Index(3 * j), Eigen::Index(3 * i) + axis))
-                      .norm(),
-                  1e-3);
-    }
+  EXPECT_LT(test::hessian_off(none, with, u, H, 3), 1e-3);
   EXPECT_GT(H.norm(), 100);
 }
 
@@ -188,7 +159,7 @@ TEST(ContactForces, ActionIsReaction) {
   const Slabs s = two_slabs(3, 1, 12, 4, 30, 0.3);
   for (const Contact& c : random_contacts(s, 30, 7)) {
     fem::ContactForces f(s.model, std::span(&c, 1));
-    const NodeArray u = nodes_of(test::random_displacement(s.model, 0.5, 13));
+    const NodeArray u = test::nodes_of(test::random_displacement(s.model, 0.5, 13));
     NodeArray g(u.size());
     f.add(u, g, false);
     Vec3 sum = Vec3::Zero(), torque = Vec3::Zero(), xa = Vec3::Zero(), xb = Vec3::Zero();

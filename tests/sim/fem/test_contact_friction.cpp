@@ -2,6 +2,7 @@
 // it can, and slides under exactly that.
 #include <gtest/gtest.h>
 
+#include "contact_checks.h"
 #include "models.h"
 #include "sim/base/error.h"
 #include "sim/fem/forces/contact_forces.h"
@@ -66,23 +67,11 @@ std::vector<Contact> random_friction(const Pile& s, uint64_t seed) {
   return out;
 }
 
-std::vector<Vec3> of(const NodeArray& a) {
-  std::vector<Vec3> out;
-  for (size_t i = 0; i < a.size(); ++i) out.push_back({double(a[i].x), double(a[i].y), double(a[i].z)});
-  return out;
-}
-
-NodeArray nodes_of(const std::vector<Vec3>& u) {
-  NodeArray a(u.size());
-  for (size_t i = 0; i < u.size(); ++i) a[i] = {float(u[i][0]), float(u[i][1]), float(u[i][2]), 0};
-  return a;
-}
-
 TEST(ContactFriction, GradientIsTheDerivativeOfTheEnergyAndThatOfTheReference) {
   const Pile s;
   const std::vector<Contact> contacts = random_friction(s, 3);
   fem::ContactForces f(s.model, contacts);
-  NodeArray at = nodes_of(test::random_displacement(s.model, 0.3, 11)), g(at.size()), ignored(at.size());
+  NodeArray at = test::nodes_of(test::random_displacement(s.model, 0.3, 11)), g(at.size());
   const double energy = f.add(at, g, false);
   int slide = 0, hold = 0;
   for (size_t i = 0; i < f.size(); ++i) {
@@ -93,25 +82,14 @@ TEST(ContactFriction, GradientIsTheDerivativeOfTheEnergyAndThatOfTheReference) {
   }
   EXPECT_GT(slide, 2);
   EXPECT_GT(hold, 2);
-  double worst = 0, largest = 0;
-  const double h = 1.0 / 1024;
-  for (size_t i = 0; i < at.size(); ++i)
-    for (int axis = 0; axis < 3; ++axis) {
-      double e[2], x[2];
-      for (int side = 0; side < 2; ++side) {
-        NodeArray v = at;
-        (&v[i].x)[axis] += float(side ? h : -h);
-        e[side] = f.add(v, ignored, false), x[side] = double((&v[i].x)[axis]);
-      }
-      worst = std::max(worst, std::abs((e[1] - e[0]) / (x[1] - x[0]) - double((&g[i].x)[axis])));
-      largest = std::max(largest, double(std::abs((&g[i].x)[axis])));
-    }
+  const auto [worst, largest] = test::against_differences(f, at, g);
+  const double h = test::kDifference_mm;
   EXPECT_GT(largest, 50);
   // Exact but where a spring of friction comes to its end within the step (its stiffness times h / 4), and for the
   // third derivative of the turning force, hold / slid^2 h^2.
   EXPECT_LT(worst, 150 * h / 4 + 70 / (0.3 * 0.3) * h * h + 1e-4 * largest);
   const ReferenceElasticity none(s.model, {}), with(s.model, {}, contacts);
-  const std::vector<Vec3> u = of(at), own = of(g);
+  const std::vector<Vec3> u = test::vectors_of(at), own = test::vectors_of(g);
   std::vector<Vec3> g0, g1;
   EXPECT_NEAR(with.energy(u) - none.energy(u), energy, 1e-9 * none.energy(u) + 1e-6 * energy);
   none.gradient(u, g0), with.gradient(u, g1);
@@ -128,18 +106,7 @@ TEST(ContactFriction, TheReferenceHessianIsTheDerivativeOfItsGradient) {
   const ReferenceElasticity none(s.model, {}), with(s.model, {}, contacts);
   const std::vector<Vec3> u = test::random_displacement(s.model, 0.2, 17);
   const Eigen::MatrixXd H = with.dense_hessian(u, false) - none.dense_hessian(u, false);
-  const double h = 1e-4;
-  for (size_t i = 0; i < u.size(); ++i)
-    for (int axis = 0; axis < 3; ++axis) {
-      std::vector<Vec3> a = u, b = u, ga, gb, na, nb;
-      a[i][axis] += h, b[i][axis] -= h;
-      with.gradient(a, ga), with.gradient(b, gb), none.gradient(a, na), none.gradient(b, nb);
-      for (size_t j = 0; j < u.size(); ++j)
-        EXPECT_LT((((ga[j] - na[j]) - (gb[j] - nb[j])) / (2 * h) -
-                   H.block<3, 1>(Eigen::Index(3 * j), Eigen::Index(3 * i) + axis))
-                      .norm(),
-                  2e-3);
-    }
+  EXPECT_LT(test::hessian_off(none, with, u, H, 1), 2e-3);
   EXPECT_GT(H.norm(), 100);
 }
 
@@ -147,11 +114,12 @@ TEST(ContactFriction, ActionIsReaction) {
   const Pile s;
   for (const Contact& c : random_friction(s, 7)) {
     fem::ContactForces f(s.model, std::span(&c, 1));
-    const NodeArray u = nodes_of(test::random_displacement(s.model, 0.5, 13));
+    const NodeArray u = test::nodes_of(test::random_displacement(s.model, 0.5, 13));
     NodeArray g(u.size());
     f.add(u, g, false);
     Vec3 sum = Vec3::Zero(), on_a = Vec3::Zero();
-    for (size_t i = 0; i < u.size(); ++i) sum += of(g)[i], on_a -= int32_t(i) >= s.upper ? of(g)[i] : Vec3(0, 0, 0);
+    for (size_t i = 0; i < u.size(); ++i)
+      sum += test::vectors_of(g)[i], on_a -= int32_t(i) >= s.upper ? test::vectors_of(g)[i] : Vec3(0, 0, 0);
     const Vec3 force = f.force_mN(0, u) * c.normal.cast<double>() + f.friction_mN(0, u);
     EXPECT_LT(sum.norm(), 1e-5 * (1 + force.norm()));
     EXPECT_LT((on_a - force).norm(), 1e-5 * (1 + force.norm()));
