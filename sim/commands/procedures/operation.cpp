@@ -79,8 +79,8 @@ class Writer {
       const int n = int(f_.wounds[size_t(c.tip.wound)].size());
       const Vec2 base =
           0.5 * (place(f_, {c.tip.wound, (c.tip.at + n - 1) % n}) + place(f_, {c.tip.wound, (c.tip.at + 1) % n}));
-      flaps.push_back(
-          exchanged_flap(base, place(f_, c.tip) + kGrip_mm * tissue_bisector(f_, c.tip), place(f_, c.to), kGrip_mm));
+      flaps.push_back(exchanged_flap(base, place(f_, c.tip) + kGrip_mm * tissue_bisector(f_, c.tip), place(f_, c.to),
+                                     kGrip_mm, kShortOfCorner_mm));
     }
     for (size_t i = 0; i < flaps.size(); ++i) commands.push_back(SetHook{int(i) + 1, chart(flaps[i].grip)});
     for (size_t i = 0; i < flaps.size(); ++i)
