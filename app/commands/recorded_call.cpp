@@ -31,6 +31,15 @@ Recording open_session(const std::string& file) {
   return rec;
 }
 
+void expect_scene_of(const Recording& rec, const std::string& file, const Scene& scene) {
+  if (!rec.session || rec.session->scene_hash == scene.hash) return;
+  if (unbundle_scene(rec, file).scene.values_hash == scene.values_hash) return;
+  throw InputError(file, 0,
+                   "log of another scene (" + rec.session->scene_name + ", hash " + hex(rec.session->scene_hash) +
+                       "); expected " + scene.name + ", hash " + hex(scene.hash) +
+                       ", or one that differs in comments only");
+}
+
 void take_session(SessionCall& call, const Recording& rec, const std::string& file) {
   Unbundled u = unbundle_scene(rec, file);
   if (u.scene.hash != rec.session->scene_hash)

@@ -9,6 +9,9 @@ namespace limberg {
 /// Reads it. InputError: it cannot be read, or holds no session or no sample.
 Recording open_session(const std::string& file);
 
+/// InputError: it is a session of another scene. One that differs in comments only is the same.
+void expect_scene_of(const Recording& recording, const std::string& file, const Scene& scene);
+
 /// Scene, calibration, rates and expected hashes of it; says what is damaged. InputError: its scene is not whole.
 void take_session(SessionCall& call, const Recording& recording, const std::string& file);
 

@@ -47,13 +47,7 @@ int replay(const ReplayOptions& o) {
   SessionCall call;
   call.command = "replay";
   take_session(call, rec, o.recording);
-  if (!o.scene.empty()) {
-    const Scene asked = open_scene(o.scene);
-    if (asked.hash != rec.session->scene_hash)
-      throw InputError(o.recording, 0,
-                       "log of another scene (" + rec.session->scene_name + ", hash " + hex(rec.session->scene_hash) +
-                           "); expected " + asked.name + ", hash " + hex(asked.hash));
-  }
+  if (!o.scene.empty()) expect_scene_of(rec, o.recording, open_scene(o.scene));
   call.real_time = o.real_time, call.hand_waits = true;
   if ((call.point = o.automatic.apply(call.scene)))
     call.expected.clear(), call.expected_states.clear();  // another lattice: nothing to compare with

@@ -235,16 +235,20 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
   camera.real("fov_deg", s.camera.fov_deg, 5, 120);
   camera.finish();
 
-  Hash64 h;
-  h.add(text);
-  if (!s.tissues.empty()) h.add(s.tissues);
-  for (const NamedFile& f : files_of_flesh(s)) h.add(read_whole_file(f.path, ObjLimits::file_bytes, f.what));
+  std::ostringstream values;
+  values << toml::toml_formatter(root);
+  Hash64 h, of_values;
+  const auto add = [&](const std::string& bytes) { h.add(bytes), of_values.add(bytes); };
+  h.add(text), of_values.add(values.str());
+  if (!s.tissues.empty()) add(s.tissues);
+  for (const NamedFile& f : files_of_flesh(s)) add(read_whole_file(f.path, ObjLimits::file_bytes, f.what));
   if (s.head) {
     for (const std::string& f : s.head->bone_files)
-      h.add(read_whole_file(f, ObjLimits::file_bytes, "a simplex mesh that the scene names"));
+      add(read_whole_file(f, ObjLimits::file_bytes, "a simplex mesh that the scene names"));
     if (!s.head->face_file.empty())
-      h.add(read_whole_file(s.head->face_file, ObjLimits::file_bytes, "a simplex mesh that the scene names"));
+      add(read_whole_file(s.head->face_file, ObjLimits::file_bytes, "a simplex mesh that the scene names"));
   }
+  s.values_hash = of_values.value();
   s.hash = h.value();
   return s;
 }

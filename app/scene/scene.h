@@ -60,10 +60,11 @@ struct Scene {
   enum class Source { block, obj };
 
   std::string name, note;
-  std::string path;     // of the scene file, as given
-  std::string text;     // the whole file; it goes into recordings
-  uint64_t hash = 0;    // of the text and, for obj, of the mesh file's bytes, and of the tissues where one is named
-  std::string tissues;  // text of the library that layers name tissues of; empty when none does
+  std::string path;   // of the scene file, as given
+  std::string text;   // the whole file; it goes into recordings
+  uint64_t hash = 0;  // of the text and, for obj, of the mesh file's bytes, and of the tissues where one is named
+  uint64_t values_hash = 0;                  // the same without comments and layout: of scenes that are one patient
+  std::string tissues;                       // text of the library that layers name tissues of; empty when none does
   std::shared_ptr<const LawCatalogue> laws;  // what layers may name
 
   bool flesh = true;  // there is a [body]: skin with flap tools

@@ -201,7 +201,9 @@ void solver_thread(Control& c, SolverLane& lane, SessionFigures& out, const Sess
     const int64_t hand_tick = c.tick.load();
     last_tick = std::max(last_tick, slow ? std::min(hand_tick, n * set.ticks_per_solver_step) : hand_tick);
     c.drawing.step_begins(woke);
-    lane.step(last_tick, [&] { return clock.wall_ns() > deadline; });
+    // A step that is cut short leaves the tissue farther behind the hand. One that waits need not bear that, or what
+    // comes of an operation would depend on the machine.
+    lane.step(last_tick, [&] { return !set.hand_waits && clock.wall_ns() > deadline; });
     const int64_t done = clock.wall_ns();
     c.drawing.step_ended(done, lane.last().iterations);
     t.work.add(done - woke);

@@ -84,6 +84,7 @@ class FakePatient final : public Patient {
     if (takes_ns_ > 0) {
       const timespec pause{takes_ns_ / 1'000'000'000, takes_ns_ % 1'000'000'000};
       nanosleep(&pause, nullptr);
+      out_of_time_ += s.should_stop && s.should_stop();
     }
     if (++steps_ == fails_at_) throw std::runtime_error("broken patient");
     return out;
@@ -115,6 +116,8 @@ class FakePatient final : public Patient {
   void fail_at_step(uint64_t step) { fails_at_ = step; }
   /// Each step takes so much longer.
   void take_time(int64_t ns) { takes_ns_ = ns; }
+  /// So many steps that took time were told then to stop.
+  int out_of_time() const { return out_of_time_; }
   /// Something is going on for ever.
   void keep_busy() { busy_ = true; }
   bool settled() const override { return !busy_; }
@@ -152,6 +155,7 @@ class FakePatient final : public Patient {
   uint64_t steps_ = 0;
   bool busy_ = false;
   uint64_t fails_at_ = 0;
+  int out_of_time_ = 0;
   int64_t takes_ns_ = 0;
 };
 

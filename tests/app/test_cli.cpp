@@ -325,6 +325,9 @@ TEST_F(Recorded, OfAnotherScene) {
   const std::string other = file("other.toml", small_scene("cell_mm = 5", "cell_mm = 4"));
   expect_refused("replay " + log_ + " --scene " + other, {"another scene"});
   EXPECT_EQ(run("replay " + log_ + " --scene " + scene_).status, 0);
+  expect_refused("run " + other + " --headless --device log:" + log_, {"another scene", "comments only"});
+  const std::string said = file("said.toml", "# with a word more\n" + slurp(scene_));
+  EXPECT_EQ(run("replay " + log_ + " --scene " + said).status, 0);
 }
 
 TEST_F(Recorded, DamageIsSaidAndCountedAndTheRestReplays) {

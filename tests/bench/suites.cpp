@@ -231,7 +231,7 @@ constexpr Suite kSuites[] = {
        return only(laws({o.quick, o.progress}));
      }},
     {"live", "recordings played in real time, alone and beside busy threads, against lockstep (SCENE: a recording)",
-     "rhomboid, zplasty, craniofacial, bilobed", true, run_live},
+     "rhomboid, zplasty, craniofacial, bilobed, cheek", true, run_live},
     {"simplex", "what simplex meshes cost, and random operators on them", "", false, run_simplex},
     {"soak", "hours of emulated operations in one process: memory, times, hashes; and 10,000 acts with undo",
      "lockstep, live, acts", false, run_soak},

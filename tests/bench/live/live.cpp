@@ -101,15 +101,21 @@ struct Recording {
   std::string name, file;
 };
 
-/// A bilobed flap, planned, and carried out by an emulated hand.
+/// An operation that is not shipped as a recording: carried out by an emulated hand first.
+Recording emulated(const std::string& program, const std::string& name, const std::string& scene,
+                   const std::string& script, const std::string& folder) {
+  const std::string log = folder + "/" + name + ".lcm";
+  if (run_child({program, "emulate", scene, script, "--out", log}, folder + "/loader").status != 0)
+    throw InputError(program, 0, "the operation " + name + " cannot be emulated; expected exit status 0");
+  return {name, log};
+}
+
+/// A bilobed flap, planned on a block.
 Recording bilobed(const std::string& program, const std::string& folder) {
-  const std::string script = folder + "/bilobed.jsonl", log = folder + "/bilobed.lcm";
-  const int planned =
-      run_child({program, "procedure", "bilobed", "--at", "0,5", "--out", script}, folder + "/loader").status;
-  const int done =
-      planned == 0 ? run_child({program, "emulate", "rhomboid", script, "--out", log}, folder + "/loader").status : -1;
-  if (done != 0) throw InputError(program, 0, "the bilobed flap cannot be emulated; expected exit status 0");
-  return {"bilobed", log};
+  const std::string script = folder + "/bilobed.jsonl";
+  if (run_child({program, "procedure", "bilobed", "--at", "0,5", "--out", script}, folder + "/loader").status != 0)
+    throw InputError(program, 0, "the bilobed flap cannot be planned; expected exit status 0");
+  return emulated(program, "bilobed", "rhomboid", script, folder);
 }
 
 }  // namespace
@@ -134,6 +140,11 @@ Result live(const LiveSettings& set) {
     if (wanted("bilobed") && !set.quick) {
       say("a bilobed flap");
       recordings.push_back(bilobed(program, folder.path().string()));
+    }
+    if (wanted("cheek") && !set.quick) {
+      say("a rhomboid flap on the cheek of a face");
+      recordings.push_back(
+          emulated(program, "cheek", "face", shipped_file("recordings/cheek-rhomboid.jsonl"), folder.path().string()));
     }
   }
 
