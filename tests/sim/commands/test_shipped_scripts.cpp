@@ -4,8 +4,10 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <numbers>
 
+#include "sim/commands/flap_exchange.h"
 #include "sim/geometry/overrun.h"
 #include "tests/sim/commands/shipped_scripts.h"
 
@@ -81,6 +83,25 @@ TEST(ShippedZPlasty, TransposedLimbHasTheTheoreticalLength) {
   EXPECT_NEAR(angle_deg(z.B, z.A, z.C), 60, 0.01);
   EXPECT_NEAR(angle_deg(z.A, z.B, z.D), 60, 0.01);
   EXPECT_NEAR((z.C - z.D).norm(), 20 * std::sqrt(5 - 4 * std::cos(std::numbers::pi / 3)), kRounded_mm);
+}
+
+// A tip that is pressed into its corner jams there, and where a needle meets it is chance.
+TEST(ShippedZPlasty, FlapsAreSetDownShortOfTheirCorners) {
+  const ZPlasty z = shipped_zplasty();
+  std::map<int, ChartPoint> held;
+  std::map<int, Vec3> down;
+  for (const Command& c : shipped_commands("zplasty")) {
+    if (const auto* h = std::get_if<SetHook>(&c)) held[h->id] = h->at;
+    if (const auto* m = std::get_if<MoveHook>(&c)) down[m->id] = m->to_mm;
+  }
+  ASSERT_EQ(held.size(), 2u);
+  for (const auto& [id, to] : down) {
+    const bool first = (held.at(id) - z.A).norm() < (held.at(id) - z.B).norm();
+    const ChartPoint tip = first ? z.A : z.B, corner = first ? z.D : z.C;
+    const double left_mm = (corner - to.head<2>()).norm() - (tip - held.at(id)).norm();
+    EXPECT_NEAR(left_mm, kShortOfCorner_mm, 0.01) << id;
+    EXPECT_DOUBLE_EQ(to.z(), kLaidAt_mm) << id;
+  }
 }
 
 // Does the segment pq cross the polyline?
