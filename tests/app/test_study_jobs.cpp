@@ -178,7 +178,8 @@ TEST_F(Jobs, AProcessThatTakesTooLongIsEnded) {
 
 // A member that hangs, or takes more memory than it may, is one that failed, in words; the others are done.
 TEST_F(Jobs, LimitsMakeFailedMembersOfSlowAndLargeOnes) {
-  EXPECT_EQ(limberg(small_ + "--limit 0.001 --retries 1 --out " + path("slow")), 3);
+  const std::string slow = "study disc --set along=1.1,1.2 --set across=1.05 --set cell_mm=2.5 ";  // of some seconds
+  EXPECT_EQ(limberg(slow + "--limit 0.001 --retries 1 --out " + path("slow")), 3);
   EXPECT_NE(slurp(".err").find("took longer than 0.001 s"), std::string::npos) << slurp(".err");
   EXPECT_NE(slurp("slow/progress.log").find("0 of 2 done, 0 running, 2 failed, 2 tried again"), std::string::npos)
       << slurp("slow/progress.log");
