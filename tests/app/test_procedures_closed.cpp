@@ -87,9 +87,9 @@ TEST_P(Repertoire, ClosesAndRests) {
   EXPECT_LT(study::sewn_skin(s, commands).sum_deg(), -700);
 }
 
-// The shipped Z-plasty: each flap lies in its corner, its skin up, with small cells at the wound and without. A tip that
-// lay folded on the skin beside its corner would leave every other figure as good. Where the cells at the ends of the
-// limbs are not divided one does, wherever the flaps are set down (docs/limits.md).
+// The shipped Z-plasty: each flap lies in its corner, its skin up, with small cells at the wound and without. A tip
+// that lay folded on the skin beside its corner would leave every other figure as good. Where the cells at the ends of
+// the limbs are not divided one does, wherever the flaps are set down (docs/limits.md).
 TEST(ShippedZPlasty, FlapsLieInTheirCorners) {
   const Scene scene = load_scene(source_dir() + "/app/scenes/zplasty.toml");
   const Script script = load_script(source_dir() + "/recordings/zplasty.jsonl");
