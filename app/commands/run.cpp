@@ -35,8 +35,8 @@ struct RunOptions {
 
 constexpr int32_t kOwnControls = 900;  // device number of what the command line chose
 
-/// Adds what a --device names (device_specs.h). `asked`: the scene before an operating point was laid on it.
-void add_device(SessionCall& call, const Scene& asked, const std::string& text) {
+/// Adds what a --device names (device_specs.h).
+void add_device(SessionCall& call, const std::string& text) {
   const DeviceSpec spec(text);
   if (spec.kind == "emulated" && !spec.rest.empty()) {
     const std::vector<Command> commands = acts_on(call.scene, load_script(spec.rest));
@@ -47,7 +47,7 @@ void add_device(SessionCall& call, const Scene& asked, const std::string& text) 
       call.sources.push_back(std::make_unique<EmulatedSurgeon>(join_strokes(commands)));
   } else if (spec.kind == "log" && !spec.rest.empty()) {
     Recording rec = read_recording(spec.rest);
-    expect_scene_of(rec, spec.rest, asked);
+    expect_scene_of(rec, spec.rest, call.scene);
     if (rec.samples.empty())
       throw InputError(spec.rest, 0, "no valid record of a sample in it; expected a stream of stylus samples");
     if (rec.damage.total() > 0)
@@ -126,14 +126,13 @@ int run_session(const RunOptions& o) {
   SessionCall call = o.continued.empty() ? SessionCall{} : continued_session(given_or_shipped(o.continued));
   call.command = "run";
   call.real_time = true;
-  if (!call.goes_on) call.scene = open_scene(o.scene);
-  const Scene asked = call.scene;
   if (!call.goes_on) {
+    call.scene = open_scene(o.scene);
     if (!o.calibration.empty()) call.calibration = load_calibration(o.calibration);
     call.progressive_cut = call.scene.tools.progressive_cut.value_or(true) && !o.cut_at_end;
-    call.point = o.automatic.apply(call.scene);
   }
-  for (const std::string& d : o.devices) add_device(call, asked, d);
+  for (const std::string& d : o.devices) add_device(call, d);  // a log is of the scene as it was named
+  if (!call.goes_on) call.point = o.automatic.apply(call.scene);
   add_headset(call, o);
   std::vector<Command> lesson;
   if (const std::string file =
@@ -142,7 +141,7 @@ int run_session(const RunOptions& o) {
     lesson = acts_on(call.scene, load_script(file));
   const bool window = !o.headless && has_display();
   if (!o.headless && !window) say("no display: no window is opened; --headless says that none is wanted");
-  if (o.devices.empty() && !window) add_device(call, asked, "lcm");
+  if (o.devices.empty() && !window) add_device(call, "lcm");
   if (window) {
     WindowCall w;
     w.calibrated = !o.calibration.empty() || call.goes_on;

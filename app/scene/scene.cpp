@@ -235,22 +235,23 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
   camera.real("fov_deg", s.camera.fov_deg, 5, 120);
   camera.finish();
 
-  std::ostringstream values;
-  values << toml::toml_formatter(root);
-  Hash64 h, of_values;
-  const auto add = [&](const std::string& bytes) { h.add(bytes), of_values.add(bytes); };
-  h.add(text), of_values.add(values.str());
-  if (!s.tissues.empty()) add(s.tissues);
-  for (const NamedFile& f : files_of_flesh(s)) add(read_whole_file(f.path, ObjLimits::file_bytes, f.what));
+  Hash64 h;
+  h.add(text);
+  if (!s.tissues.empty()) h.add(s.tissues);
+  for (const NamedFile& f : files_of_flesh(s)) h.add(read_whole_file(f.path, ObjLimits::file_bytes, f.what));
   if (s.head) {
     for (const std::string& f : s.head->bone_files)
-      add(read_whole_file(f, ObjLimits::file_bytes, "a simplex mesh that the scene names"));
+      h.add(read_whole_file(f, ObjLimits::file_bytes, "a simplex mesh that the scene names"));
     if (!s.head->face_file.empty())
-      add(read_whole_file(s.head->face_file, ObjLimits::file_bytes, "a simplex mesh that the scene names"));
+      h.add(read_whole_file(s.head->face_file, ObjLimits::file_bytes, "a simplex mesh that the scene names"));
   }
-  s.values_hash = of_values.value();
   s.hash = h.value();
   return s;
+}
+
+bool differs_in_words_only(const Scene& scene, const std::string& text, uint64_t hash) {
+  return parse_toml(text, scene.path, "a scene") == parse_toml(scene.text, scene.path, "a scene") &&
+         parse_scene(text, scene.path).hash == hash;  // its files are those of this one, too
 }
 
 std::vector<NamedFile> files_of_flesh(const Scene& s) {

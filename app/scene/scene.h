@@ -60,11 +60,10 @@ struct Scene {
   enum class Source { block, obj };
 
   std::string name, note;
-  std::string path;   // of the scene file, as given
-  std::string text;   // the whole file; it goes into recordings
-  uint64_t hash = 0;  // of the text and, for obj, of the mesh file's bytes, and of the tissues where one is named
-  uint64_t values_hash = 0;                  // the same without comments and layout: of scenes that are one patient
-  std::string tissues;                       // text of the library that layers name tissues of; empty when none does
+  std::string path;     // of the scene file, as given
+  std::string text;     // the whole file; it goes into recordings
+  uint64_t hash = 0;    // of the text and, for obj, of the mesh file's bytes, and of the tissues where one is named
+  std::string tissues;  // text of the library that layers name tissues of; empty when none does
   std::shared_ptr<const LawCatalogue> laws;  // what layers may name
 
   bool flesh = true;  // there is a [body]: skin with flap tools
@@ -134,6 +133,9 @@ Scene load_scene(const std::string& path);
 /// `path` names the scene in messages; mesh files are looked for beside it. Reads the mesh file's bytes for the hash.
 /// `laws`: what layers may name; null: the shipped ones.
 Scene parse_scene(const std::string& text, const std::string& path, std::shared_ptr<const LawCatalogue> laws = nullptr);
+
+/// Whether a scene of that text, with the files that lie beside it, is this one but for comments and layout.
+bool differs_in_words_only(const Scene& scene, const std::string& text, uint64_t hash);
 
 /// A scene's file by what a user typed: an existing path as it is, otherwise NAME.toml in the first of `folders` that
 /// has it. Throws InputError that lists the names to be had.
