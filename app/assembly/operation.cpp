@@ -65,8 +65,9 @@ class Operation {
     fem::StallWatch watch;
     for (int i = 0; i < steps; ++i) {
       step(residual);
-      out.stalled = watch.look(out.last.residual, out.last.iterations) && out.last.residual > residual;
-      if ((out.last.residual <= residual && patient_.settled()) || (set_.interrupted && set_.interrupted())) return;
+      const bool there = out.last.residual <= residual, stalls = watch.look(out.last.residual, out.last.iterations);
+      out.stalled = !there && (stalls || out.last.at_floor);
+      if (((there || out.last.at_floor) && patient_.settled()) || (set_.interrupted && set_.interrupted())) return;
     }
   }
 

@@ -37,8 +37,9 @@ StepReport ContactDriver::step(const StepSettings& settings) {
     if (done >= settings.max_iterations || stopped || !moved)
       more = false;
     else
-      more = others || !report.converged;
-    if (!more && others && report.converged) {  // is it at rest with these, too?
+      more = others || !(report.converged || report.at_floor);
+    if (others) report.stalled = report.at_floor = false;  // of those before
+    if (!more && others && report.converged) {             // is it at rest with these, too?
       part.max_iterations = 0;
       report = solver.step(part);
     }

@@ -31,6 +31,7 @@ struct Corner {
 struct Seam {
   Corner a_from, a_to, b_from, b_to;
   bool from_middle = false;  // the middle first, then the middles of what is left; otherwise from end to end
+  bool no_key = false;       // where it begins three edges meet and no key joins these two: the row begins near there
 };
 
 /// One stitch that joins two corners.

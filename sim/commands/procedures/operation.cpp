@@ -106,6 +106,7 @@ class Writer {
 
  private:
   static constexpr double kGrip_mm = 3;
+  static constexpr double kNearCorner_mm = 1.5;  // nearer a needle meets the bank that was drawn there before
 
   ChartPoint chart(const Vec2& p) const {
     const ChartPoint c = on_.chart(p);
@@ -140,7 +141,7 @@ class Writer {
   }
   // A stitch in a corner goes through its tissue's middle; at the end of a slit, through the bank that is sewn there.
   Vec2 in_corner(const Corner& c, const Corner& other) const {
-    if (tissue_deg(f_, c) < 330) return place(f_, c) + plan_.corner_mm * tissue_bisector(f_, c);
+    if (tissue_deg(f_, c) < 330) return in_tip(c);
     for (const Seam& s : f_.seams) {
       if (s.a_from == c && s.b_from == other) return bite(bank(f_, s.a_from, s.a_to, true), plan_.corner_mm, 1);
       if (s.b_from == c && s.a_from == other) return bite(bank(f_, s.b_from, s.b_to, false), plan_.corner_mm, -1);
@@ -148,6 +149,18 @@ class Writer {
       if (s.b_to == c && s.a_to == other) return from_end(bank(f_, s.b_from, s.b_to, false), -1);
     }
     return place(f_, c) + plan_.corner_mm * tissue_bisector(f_, c);
+  }
+  // In a tip as narrow as that between two lobes a hand would meet the other side of its edge: deeper in.
+  Vec2 in_tip(const Corner& c) const {
+    constexpr double kBeside_mm = 0.3, kDeepest_mm = 2, kStep_mm = 0.1;
+    const Vec2 into = tissue_bisector(f_, c), across(-into.y(), into.x());
+    double deep_mm = plan_.corner_mm;
+    const auto narrow = [&] {
+      const Vec2 at = place(f_, c) + deep_mm * into;
+      return std::min(tissue_mm(f_, at, across), tissue_mm(f_, at, -across)) < kBeside_mm;
+    };
+    while (deep_mm + kStep_mm <= kDeepest_mm && narrow()) deep_mm += kStep_mm;
+    return place(f_, c) + deep_mm * into;
   }
   Vec2 from_end(const std::vector<Vec2>& p, int side) const { return bite(p, path_length(p) - plan_.corner_mm, side); }
 
@@ -167,19 +180,22 @@ class Writer {
   void sew(const Seam& s) {
     const auto a = bank(f_, s.a_from, s.a_to, true), b = bank(f_, s.b_from, s.b_to, false);
     const double la = path_length(a), lb = path_length(b), longer = std::max(la, lb);
-    const int n = int(parts_of_row(longer, plan_.spacing_mm)) - 1;  // between the ends
+    const double t0 = s.no_key ? kNearCorner_mm / longer : 0;
+    const int parts = int(parts_of_row((1 - t0) * longer, plan_.spacing_mm));
+    const int n = parts - (s.no_key ? 0 : 1);  // but for ends that are held already
+    const auto place = [&](int i) { return t0 + (1 - t0) * double(s.no_key ? i - 1 : i) / parts; };
     const auto at = [&](double t) { return std::pair(bite(a, t * la, 1), bite(b, t * lb, -1)); };
     const auto stitch = [&](double t) {
       const auto [pa, pb] = at(t);
       commands.push_back(Suture{chart(pa), chart(pb)});
     };
     if (n < 1) return;
-    if (n == 1) return stitch(0.5);
+    if (n == 1) return stitch(place(1));
     if (s.from_middle) return halve(stitch, n);
     SutureRow row;
     row.spacing_mm = plan_.spacing_mm;
     for (int i = 1; i <= n; ++i) {
-      const auto [pa, pb] = at(double(i) / (n + 1));
+      const auto [pa, pb] = at(place(i));
       row.a.push_back(chart(pa)), row.b.push_back(chart(pb));
     }
     commands.push_back(std::move(row));

@@ -21,7 +21,7 @@ constexpr int update_every = 3;   // accepted iterates between multiplier update
 constexpr int max_halvings = 40;  // a scrambled start needs many
 constexpr double armijo = 1e-4;
 constexpr double slope_left = 0.5;    // Hager & Zhang's sigma is 0.9; an overshoot to .9998 of the slope gains nothing
-constexpr double above_floor = 4;     // reached: .2 to 2.6 times what the last bits make (fibrous cubes, 2026-11-25)
+constexpr double above_floor = 1;     // reached: .4 times (an S-plasty on a face, 27,996 nodes, 2026-11-29)
 constexpr double float_noise = 5e-8;  // of a sum of single-precision terms, relative to the sum of their sizes
 // Drawn-out cells are looked for when so many iterations have not brought the relative residual down to `lags`. Not
 // while a hook is carried: a look takes about as long as two iterations, and what lags then is the hand's doing (60 Hz
@@ -150,12 +150,10 @@ LbfgsSolver::Search LbfgsSolver::search(Value& value, double slope) {
       const double bend = change - alpha * slope;
       if (bend > 0) next = std::clamp(-0.5 * alpha * slope / bend, 0.1, 0.5);
       accept = change <= armijo * alpha * slope;
-      if (level && (by_slope_ || scale_.on())) {
+      if (level) {
         const double end = engine_.dot(g_try_, d_);
         accept = end <= -slope_left * slope;
         if (!accept) next = std::clamp(slope / (slope - end), 0.01, 0.9);  // where the slope would be zero
-      } else if (!accept && level) {
-        accept = engine_.dot(g_try_, d_) <= (2 * armijo - 1) * slope;
       }
     }
     if (accept && engine_.all_finite(g_try_)) {
@@ -275,7 +273,8 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
     since_update_ = 0;
     return true;
   };
-  level_ = by_slope_ = false;
+  level_ = false;
+  if (s.dt_s > 0) level_watch_ = {};
   bool looked = true;  // the last evaluation was at u_
   NodeArray u_first;
   if (s.most_move_mm > 0) u_first = u_;
@@ -297,14 +296,14 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
       report.stalled = true;
       break;
     }
-    if (s.tolerance > 0 && watch.suspects(level_)) {
-      report.stalled = report.at_floor = at_floor();
-      if (report.at_floor) {
-        looked = false;
-        break;
-      }
-      by_slope_ = true;
-      value = evaluate(u_, g_, true);
+    if (s.tolerance > 0 && !level_watch_.at_floor && report.iterations > 0 &&
+        level_watch_.suspects(relative_residual(), level_)) {
+      level_watch_.at_floor = at_floor();
+      looked = false;
+    }
+    if (s.tolerance > 0 && level_watch_.at_floor) {
+      report.stalled = report.at_floor = true;
+      break;
     }
     double slope = direction(g_, metric);
     if (!(slope < 0) && history_.count() > 0) {
@@ -316,7 +315,7 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
     if (!looked) {
       if (history_.count() == 0) {  // the floor of single precision
         report.stalled = s.tolerance > 0;
-        report.at_floor = report.stalled && at_floor();
+        report.at_floor = level_watch_.at_floor = report.stalled && at_floor();
         break;
       }
       history_.clear();
@@ -350,6 +349,7 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
   report.inverted_cells = elements_->inverted();
   report.min_J = 1 + double(elements_->min_theta());
   if (s.dt_s > 0) {
+    level_watch_ = {};
     const float f = float(1 / h_s_);
     for (size_t i = 0; i < u_.size(); ++i) store(velocity_[i], f * (load(u_[i]) - load(u_base_[i])));
   } else {

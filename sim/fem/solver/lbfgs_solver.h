@@ -54,6 +54,7 @@
 #include "sim/fem/solver/lbfgs.h"
 #include "sim/fem/solver/loose_pieces.h"
 #include "sim/fem/solver/metric_scale.h"
+#include "sim/fem/solver/stall_watch.h"
 
 namespace limberg::fem {
 
@@ -110,7 +111,7 @@ class LbfgsSolver final : public ElasticSolver {
   void forget();  // the iterations so far
   /// For the rest of the step the plain energy, or the augmented one. Where that is another than before the pairs go.
   void take_plain_energy(bool plain, Value& value);
-  /// Whether the forces at u_ are what the displacements' last bits make of them: |g| is at most four times the change
+  /// Whether the forces at u_ are what the displacements' last bits make of them: |g| is at most the change
   /// of g when every number changes by its last bit. Uses g_try_, u_try_, d_; one evaluation.
   bool at_floor();
   Value evaluate(const NodeArray& u, NodeArray& g, bool measure);
@@ -161,7 +162,7 @@ class LbfgsSolver final : public ElasticSolver {
   MetricScale scale_;
   double gamma_ = 1;              // of the direction in d_
   bool level_ = false;            // the last two energies could not be told apart
-  bool by_slope_ = false;         // where they cannot, steps end where the slope is half of what it was
+  LevelWatch level_watch_;        // since the solver was last given anything
   bool pairs_are_plain_ = false;  // the history tells of the plain energy
 
   NodeArray u_, g_, d_, u_try_, g_try_;

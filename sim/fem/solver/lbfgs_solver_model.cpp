@@ -116,7 +116,7 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, const ParentL
   metric_.set_model(hardened_.seen(model_, false), cell_parent);
   force_scale_ = 0, since_update_ = 0;
   tangled_iterations_ = 0, untangling_ = false;
-  scale_.forget(), pairs_are_plain_ = false;
+  scale_.forget(), level_watch_ = {}, pairs_are_plain_ = false;
   distance_.forget();
   publish();
 }
@@ -155,6 +155,10 @@ void LbfgsSolver::set_springs(std::span<const Spring> springs) {
     drawn |= !sorted[i].to_world &&
              (sorted[i].target_mm != springs_[i].target_mm || sorted[i].thread_mm != springs_[i].thread_mm);
   if (drawn) history_.clear();
+  if (!same || !std::equal(sorted.begin(), sorted.end(), springs_.begin(), [](const Spring& a, const Spring& b) {
+        return a.target_mm == b.target_mm && a.thread_mm == b.thread_mm;
+      }))
+    level_watch_ = {};
   springs_ = std::move(sorted);
   forces_ = SpringForces(*model_, springs_);
   if (same) return;
@@ -208,6 +212,7 @@ void LbfgsSolver::set_loads(std::span<const DeadLoad> loads) {
 }
 
 void LbfgsSolver::make_loads() {
+  level_watch_ = {};
   loads_ = model_ ? DeadLoads(*model_, gravity_m_s2_, load_list_, springs_) : DeadLoads();
   loads_.dynamic(!inertia_.empty());
 }
@@ -229,6 +234,7 @@ void LbfgsSolver::put_held(NodeArray& a, const NodeArray& from) const {
 
 void LbfgsSolver::set_contacts(std::span<const Contact> contacts) {
   if (!model_) throw InputError("", 0, "contacts were given before a model");
+  level_watch_ = {};
   contacts_.set(*model_, contacts, engine_.workers());
 }
 

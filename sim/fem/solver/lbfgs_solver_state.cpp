@@ -63,6 +63,7 @@ void LbfgsSolver::forget() {
   tangled_iterations_ = 0, untangling_ = false;
   history_.clear();
   scale_.forget();
+  level_watch_ = {};
   distance_.forget();
 }
 

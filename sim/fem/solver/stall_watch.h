@@ -1,8 +1,8 @@
 #pragma once
 // Whether iterations still gain anything: a minimiser that stalls says so, instead of going on to its last iteration.
 //
-// Two ways to see it. look(): so many iterations have not made the residual a tenth less; this takes patience,
-// because a flap that swings gains nothing for long. suspects(): for kLevel iterates in a row the energies before and
+// Two ways to see it. StallWatch: so many iterations have not made the residual a tenth less; this takes patience,
+// because a flap that swings gains nothing for long. LevelWatch: for so many iterates in a row the energies before and
 // after could not be told apart in single precision, and the residual has not become a tenth less either. Then it is
 // worth one evaluation to ask whether the forces are down to what the last bits of the displacements make of them
 // (LbfgsSolver::at_floor).
@@ -25,11 +25,25 @@ class StallWatch {
   }
   double least() const { return least_; }
 
-  /// After each iterate that was looked at. `level`: its energy and the one before were within each other's noise. True
-  /// once for every kLevel of them in a row.
+ private:
+  double least_ = std::numeric_limits<double>::infinity();
+  int since_ = 0;
+};
+
+/// Outlives the step: sessions and operations take 10 to 20 iterations at a time. Anew whenever the solver is given
+/// anything.
+class LevelWatch {
+ public:
   static constexpr int kLevel = 60;
-  bool suspects(bool level) {
-    level_ = level && since_ > 0 ? level_ + 1 : 0;
+
+  bool at_floor = false;  // a suspicion was right
+
+  /// After each iterate. `level`: its energy and the one before were within each other's noise. True once for every
+  /// kLevel of them in a row without a tenth off the least residual so far.
+  bool suspects(double residual, bool level) {
+    const bool gains = residual < StallWatch::kGain * least_;
+    if (gains) least_ = residual;
+    level_ = level && !gains ? level_ + 1 : 0;
     if (level_ < kLevel) return false;
     level_ = 0;
     return true;
@@ -37,7 +51,7 @@ class StallWatch {
 
  private:
   double least_ = std::numeric_limits<double>::infinity();
-  int since_ = 0, level_ = 0;
+  int level_ = 0;
 };
 
 }  // namespace limberg::fem

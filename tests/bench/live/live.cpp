@@ -113,12 +113,12 @@ Recording emulated(const std::string& program, const std::string& name, const st
   return {name, log};
 }
 
-/// A bilobed flap, planned on a block. With seeds 1 and 5 of the hand a stitch is refused (docs/limits.md).
+/// A bilobed flap, planned on a block.
 Recording bilobed(const std::string& program, const std::string& folder) {
   const std::string script = folder + "/bilobed.jsonl";
   if (run_child({program, "procedure", "bilobed", "--at", "0,5", "--out", script}, folder + "/loader").status != 0)
     throw InputError(program, 0, "the bilobed flap cannot be planned; expected exit status 0");
-  return emulated(program, "bilobed", "rhomboid", script, folder, "2");
+  return emulated(program, "bilobed", "rhomboid", script, folder);
 }
 
 }  // namespace

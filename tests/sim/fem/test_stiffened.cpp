@@ -230,12 +230,12 @@ TEST(MetricScale, CutStepsInARowTurnItOnAndAGoodMetricOff) {
   EXPECT_FALSE(scale.on());
 }
 
-TEST(StallWatch, SuspectsWhereEnergiesCannotBeToldApart) {
-  fem::StallWatch watch;
-  constexpr int k = fem::StallWatch::kLevel;
+TEST(LevelWatch, SuspectsWhereEnergiesCannotBeToldApart) {
+  fem::LevelWatch watch;
+  constexpr int k = fem::LevelWatch::kLevel;
   const auto run = [&](int n, bool level) {
     bool any = false;
-    for (int i = 0; i < n; ++i) watch.look(1, 1), any = watch.suspects(level) || any;
+    for (int i = 0; i < n; ++i) any = watch.suspects(1, level) || any;
     return any;
   };
   run(1, true);  // the first look is a gain
@@ -244,8 +244,8 @@ TEST(StallWatch, SuspectsWhereEnergiesCannotBeToldApart) {
   EXPECT_FALSE(run(k - 1, true));
   EXPECT_TRUE(run(1, true));
   EXPECT_FALSE(run(k - 1, true)) << "once";
-  watch.look(0.5, 1);
-  EXPECT_FALSE(watch.suspects(true)) << "a gain";
+  EXPECT_FALSE(watch.suspects(0.5, true)) << "a gain";
+  EXPECT_FALSE(watch.suspects(0.6, true));
 }
 
 }  // namespace test_stiffened

@@ -123,6 +123,52 @@ TEST(OnSkin, LinesAreFollowedOnACurvedSkin) {
   EXPECT_EQ(std::get<Incise>(carry_out(f, OnSkin(level, {})).at(0)).path.size(), 4u);
 }
 
+// A corner's stitch has tissue on both sides, in the cusp between two lobes too: a hand cuts .1 mm beside its line and
+// would take the other side of the cut for what is left of the tip.
+TEST(CarryOut, ANeedleHasRoomInEveryCorner) {
+  const Skin level(flat(2));
+  int in_corners = 0;
+  for (const Procedure& p : procedures()) {
+    const Figure f = p.figure(p.defaults());
+    const OperationPlan plan;
+    for (const Command& c : carry_out(f, OnSkin(level, {}), plan))
+      if (const auto* s = std::get_if<Suture>(&c))
+        for (const Vec2& at : {s->a, s->b}) {
+          double least = 1e300;
+          bool corner = false;
+          for (const auto& w : f.wounds)
+            for (size_t i = 0; i < w.size(); ++i) {
+              const Vec2 e = w[(i + 1) % w.size()] - w[i];
+              const double t = std::clamp((at - w[i]).dot(e) / e.squaredNorm(), 0., 1.);
+              least = std::min(least, (w[i] + t * e - at).norm());
+              corner |= (w[i] - at).norm() < 2.01;
+            }
+          if (corner) EXPECT_GT(least, 0.22) << p.name << " at " << at.transpose();  // a tip of 30 degrees: .9 sin 15
+          in_corners += corner;
+        }
+  }
+  EXPECT_GT(in_corners, 40);
+}
+
+// Where a stitch has drawn a corner to a bank, a second one through that corner meets what lies over it.
+TEST(CarryOut, ABilobedFlapsNeedleGoesInNowhereTwice) {
+  const Skin level(flat(2));
+  std::vector<Vec2> holes;
+  for (const Command& c : carry_out(find_procedure("bilobed").figure({15, 45}), OnSkin(level, {}))) {
+    std::vector<Vec2> now;
+    if (const auto* s = std::get_if<Suture>(&c)) now = {s->a, s->b};
+    if (const auto* r = std::get_if<SutureRow>(&c)) {
+      now = r->a;
+      now.insert(now.end(), r->b.begin(), r->b.end());
+    }
+    for (const Vec2& at : now) {
+      for (const Vec2& before : holes) EXPECT_GT((at - before).norm(), 1) << at.transpose();
+      holes.push_back(at);
+    }
+  }
+  EXPECT_GT(holes.size(), 40u);
+}
+
 TEST(OnSkin, RemeshedSkinGivesTheSamePlaces) {
   const auto hill = [](double x, double y) { return 12 * std::cos(x / 18) * std::cos(y / 25); };
   const Skin coarse(dome(45, 50, hill)), fine(dome(45, 173, hill));
