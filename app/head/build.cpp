@@ -88,11 +88,11 @@ HeadParts head_parts(const Scene& scene, Workers& workers) {
   };
   put(h.landmarks, false);
   put(h.face_landmarks, true);
-  const auto place_of = [&](const std::string& name) {
+  const auto place_of = [&](const std::string& name, const char* key = "tissue") {
     for (const HeadLandmark& l : parts.landmarks)
       if (l.name == name) return l.X_mm;
     throw InputError(scene.path, 0,
-                     "head.tissue names the landmark \"" + name +
+                     std::string("head.") + key + " names the landmark \"" + name +
                          "\", which is not there; expected a place [x, y, z] or one of the landmarks");
   };
   for (const HeadScene::TissueAt& t : h.tissues) {
@@ -100,6 +100,11 @@ HeadParts head_parts(const Scene& scene, Workers& workers) {
     if (!t.face_name.empty()) c.face_mm = place_of(t.face_name);
     if (!t.bone_name.empty()) c.bone_mm = place_of(t.bone_name);
     parts.tissues.push_back(std::move(c));
+  }
+  for (const HeadScene::MuscleAt& m : h.muscles) {
+    simplex::FaceBundle& b = parts.muscles.emplace_back(m.bundle);
+    for (size_t k = 0; k < b.path_mm.size(); ++k)
+      if (!m.names[k].empty()) b.path_mm[k] = place_of(m.names[k], "muscle");
   }
   return parts;
 }

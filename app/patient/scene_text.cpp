@@ -34,6 +34,26 @@ std::string head_section(const PatientModel& p, bool face) {
   return t + "]\n";
 }
 
+/// Masseter and temporalis of both sides, where the landmarks that they run between were found. Their constants are
+/// engineering choices, those of the muscle round the mouth in the shipped scene `mouth`.
+std::string muscles_section(const PatientModel& p) {
+  struct Muscle {
+    const char *name, *from, *to;
+    double radius_mm;
+  };
+  std::string t;
+  for (const char* side : {"R", "L"})
+    for (const Muscle& m : {Muscle{"masseter", "Zy", "Go", 12}, Muscle{"temporalis", "Eu", "Zy", 20}}) {
+      const std::string from = std::string(m.from) + "_" + side, to = std::string(m.to) + "_" + side;
+      if (!find_landmark(p.anatomy.landmark, from) || !find_landmark(p.anatomy.landmark, to)) continue;
+      t += fmt::format(
+          "[[head.muscle]]\nname = \"{} {}\"\npath = [\"{}\", \"{}\"]\nradius_mm = {:.0f}\nyoung_kPa = 15\nk1_kPa = "
+          "4\nk2 = 0.2\n\n",
+          m.name, side, from, to, m.radius_mm);
+    }
+  return t.empty() ? t : "# Fibres within it; the CT does not tell them.\n" + t;
+}
+
 std::string landmarks_section(const PatientModel& p, bool skin) {
   std::string t = skin ? "\n[head.face_landmarks]\n" : "[head.landmarks]\n";
   for (const FoundLandmark& l : p.anatomy.landmark)
@@ -64,9 +84,10 @@ std::string patient_scene(const PatientModel& p, double reach_mm, const std::str
   std::string t = scene_head("patient", note) + head_section(p, face) + "\n";
   if (face && reach_mm > 0)
     t += fmt::format(
-        "# Soft tissue between bone and the skin over it.\n[[head.tissue]]\nname = \"soft tissue\"\nface = "
-        "\"sn\"\nface_radius_mm = {:.0f}\nlayers = {}\nyoung_kPa = {:.0f}\nmode = \"finite_elements\"\n\n",
-        reach_mm, kPatientTissueLayers, kPatientTissue_kPa);
+             "# Soft tissue between bone and the skin over it.\n[[head.tissue]]\nname = \"soft tissue\"\nface = "
+             "\"sn\"\nface_radius_mm = {:.0f}\nlayers = {}\nyoung_kPa = {:.0f}\nmode = \"finite_elements\"\n\n",
+             reach_mm, kPatientTissueLayers, kPatientTissue_kPa) +
+         muscles_section(p);
   t += landmarks_section(p, false);
   if (face) t += landmarks_section(p, true);
   return t + camera_section(p);

@@ -22,6 +22,9 @@
 //   [[head.tissue]]  name, face and bone: a place [x, y, z] or a landmark's
 //                    name; face_radius_mm, bone_radius_mm (0: all bone), layers,
 //                    young_kPa, mode = "smoothing" | "springs" | "shape" | "finite_elements"
+//   [[head.muscle]]  in tissues of finite elements, beneath the skin: name, path = places or names of landmarks (2 to
+//                    20), radius_mm, young_kPa between the fibres, and of these k1_kPa, k2 (sim/fem/materials/fibres.h);
+//                    without k1_kPa a ligament
 //   [head.landmarks] NAME = [x, y, z] on bone;  [head.face_landmarks] the same on the face
 #include <optional>
 #include <string>
@@ -29,6 +32,7 @@
 #include <vector>
 
 #include "sim/commands/head_command.h"
+#include "sim/skull/face/face_bundle.h"
 #include "sim/skull/simplex/mesh.h"
 
 namespace limberg {
@@ -56,6 +60,11 @@ struct HeadScene {
     std::string face_name, bone_name;  // landmarks; empty: the place is given
   };
   std::vector<TissueAt> tissues;
+  struct MuscleAt {
+    simplex::FaceBundle bundle;      // its path is filled in when the head is built
+    std::vector<std::string> names;  // of landmarks, per place of the path; empty: the place is given
+  };
+  std::vector<MuscleAt> muscles;
   std::vector<std::pair<std::string, Vec3>> landmarks, face_landmarks;
 };
 

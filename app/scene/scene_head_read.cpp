@@ -9,7 +9,7 @@ namespace limberg {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr size_t kMostLandmarks = 200, kMostTissues = 50, kMostBones = 20;
+constexpr size_t kMostLandmarks = 200, kMostTissues = 50, kMostMuscles = 50, kMostBones = 20;
 
 std::vector<std::string> texts(Table& t, const toml::table& head, const char* key, const char* expected) {
   std::vector<std::string> out;
@@ -78,6 +78,40 @@ HeadScene::TissueAt read_tissue(const toml::table& table, const std::string& fil
     c.mode = TissueKind(at - std::begin(kTissueKinds));
   }
   t.finish({"bone", "mode"});
+  return out;
+}
+
+HeadScene::MuscleAt read_muscle(const toml::table& table, const std::string& file) {
+  Table t(&table, "head.muscle", file);
+  HeadScene::MuscleAt out;
+  simplex::FaceBundle& b = out.bundle;
+  if (!t.has("name")) t.fail("name", "is missing; expected a name");
+  t.text("name", b.name, 60);
+  constexpr const char* kPath = "expected path = [\"Zy_R\", \"Go_R\"] or places [x, y, z], two to twenty";
+  const toml::node* n = table.get("path");
+  const toml::array* a = n ? n->as_array() : nullptr;
+  if (!a || a->size() < 2 || a->size() > 20) t.fail("path", std::string("is no list of places; ") + kPath);
+  for (const toml::node& e : *a) {
+    Vec3& at = b.path_mm.emplace_back(Vec3::Zero());
+    std::string& name = out.names.emplace_back();
+    if (const auto s = e.value<std::string>(); s && !s->empty() && s->size() <= 60) {
+      name = *s;
+      continue;
+    }
+    const toml::array* x = e.as_array();
+    bool good = x && x->size() == 3;
+    for (size_t k = 0; good && k < 3; ++k) {
+      const std::optional<double> v = (*x)[k].value<double>();
+      good = v && std::abs(*v) <= 1e4;
+      if (good) at[Eigen::Index(k)] = *v;
+    }
+    if (!good) t.fail("path", std::string("holds something that is no place; ") + kPath);
+  }
+  t.real("radius_mm", b.radius_mm, 0.1, 100);
+  t.real("young_kPa", b.young_kPa, 0.01, 1e6);
+  t.real("k1_kPa", b.k1_kPa, 0, 1e6);
+  t.real("k2", b.k2, 1e-6, 1e4);
+  t.finish({"path"});
   return out;
 }
 
@@ -179,7 +213,7 @@ std::optional<HeadScene> read_head(const toml::table& root, const std::string& f
   h.picture_from_head = read_isometry(t, table, "picture_from_head");
   t.real("carries_skin_mm", h.carries_skin_mm, 0, 1000);
   t.finish({"source", "bones", "axes", "face", "fixed", "show_face", "picture_from_head", "normal_skull", "tissue",
-            "landmarks", "face_landmarks"});
+            "muscle", "landmarks", "face_landmarks"});
   if (const toml::node* n = table.get("tissue")) {
     const toml::array* a = n->as_array();
     if (!a || a->size() > kMostTissues)
@@ -193,6 +227,13 @@ std::optional<HeadScene> read_head(const toml::table& root, const std::string& f
         throw InputError(file, int(e.source().begin.line), "head.tissue without a face; expected a head with one");
       h.tissues.push_back(read_tissue(*e.as_table(), file));
     }
+  }
+  if (const toml::node* n = table.get("muscle")) {
+    const toml::array* a = n->as_array();
+    if (!a || a->size() > kMostMuscles || !a->is_array_of_tables())
+      throw InputError(file, int(n->source().begin.line),
+                       "head.muscle is no list of at most 50 tables; expected [[head.muscle]]");
+    for (const toml::node& e : *a) h.muscles.push_back(read_muscle(*e.as_table(), file));
   }
   read_landmarks(table, "landmarks", file, h.landmarks);
   read_landmarks(table, "face_landmarks", file, h.face_landmarks);

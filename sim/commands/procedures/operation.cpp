@@ -150,17 +150,21 @@ class Writer {
     }
     return place(f_, c) + plan_.corner_mm * tissue_bisector(f_, c);
   }
-  // In a tip as narrow as that between two lobes a hand would meet the other side of its edge: deeper in.
+  // In a tip as narrow as that between two lobes a hand would meet the other side of its edge: deeper in, but not so deep
+  // that a small tip is folded over.
   Vec2 in_tip(const Corner& c) const {
-    constexpr double kBeside_mm = 0.3, kDeepest_mm = 2, kStep_mm = 0.1;
+    constexpr double kBeside_mm = 0.3, kOfSide = 2. / 3, kStep_mm = 0.1;
+    const std::vector<Vec2>& w = f_.wounds[size_t(c.wound)];
+    const size_t i = size_t(c.at), n = w.size();
+    const double side_mm = std::min((w[(i + 1) % n] - w[i]).norm(), (w[(i + n - 1) % n] - w[i]).norm());
     const Vec2 into = tissue_bisector(f_, c), across(-into.y(), into.x());
     double deep_mm = plan_.corner_mm;
     const auto narrow = [&] {
-      const Vec2 at = place(f_, c) + deep_mm * into;
+      const Vec2 at = w[i] + deep_mm * into;
       return std::min(tissue_mm(f_, at, across), tissue_mm(f_, at, -across)) < kBeside_mm;
     };
-    while (deep_mm + kStep_mm <= kDeepest_mm && narrow()) deep_mm += kStep_mm;
-    return place(f_, c) + deep_mm * into;
+    while (deep_mm + kStep_mm <= kOfSide * side_mm && narrow()) deep_mm += kStep_mm;
+    return w[i] + deep_mm * into;
   }
   Vec2 from_end(const std::vector<Vec2>& p, int side) const { return bite(p, path_length(p) - plan_.corner_mm, side); }
 

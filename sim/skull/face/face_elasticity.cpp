@@ -37,6 +37,13 @@ FaceElasticity::FaceElasticity(std::span<const Body> bodies, const ElasticitySet
   if (!(s.skin_mm >= 0) || !(s.skin_kPa >= 0) || !std::isfinite(s.skin_mm + s.skin_kPa))
     throw InputError("", 0, "the skin's thickness and stiffness must be finite numbers, 0 or more");
   ShapedModel shaped;
+  std::vector<std::vector<int32_t>> law_of;  // of each bundle, by the pieces of its path
+  for (const FaceBundle& b : s.bundles) {
+    std::vector<int32_t>& laws = law_of.emplace_back();
+    for (size_t k = 0; k + 1 < std::max<size_t>(2, b.path_mm.size()); ++k)
+      laws.push_back(shaped.add_law(bundle_law(b, k, s.poisson)));
+  }
+  bundled_.resize(s.bundles.size());
   std::map<std::array<double, 3>, int32_t> weld;  // nodes on the skin by their place, the same bits where regions meet
   for (const Body& b : bodies) {
     const Tissue& t = *b.tissue;
@@ -67,7 +74,18 @@ FaceElasticity::FaceElasticity(std::span<const Body> bodies, const ElasticitySet
     for (size_t k = 0; k < t.tet.size(); ++k) {
       std::array<int32_t, 4> q{};
       for (size_t c = 0; c < 4; ++c) q[c] = number[size_t(t.tet[k][c])];
-      shaped.add_tet(q, k / of_layer + 1 == size_t(t.layers) ? skin : fat);
+      const bool top_layer = k / of_layer + 1 == size_t(t.layers);
+      int32_t own = top_layer ? skin : fat;
+      if (!top_layer && !s.bundles.empty()) {
+        std::array<Vec3, 4> X;
+        for (size_t c = 0; c < 4; ++c) X[c] = t.node_mm[size_t(t.tet[k][c])];
+        if (const auto in = bundle_at(s.bundles, 0.25 * (X[0] + X[1] + X[2] + X[3]))) {
+          own = law_of[in->bundle][in->piece];
+          ++bundled_[in->bundle].tetrahedra;
+          bundled_[in->bundle].volume_mm3 += std::fabs((X[1] - X[0]).cross(X[2] - X[0]).dot(X[3] - X[0])) / 6;
+        }
+      }
+      shaped.add_tet(q, own);
     }
   }
   impl_->model = shaped.finish();

@@ -5,7 +5,7 @@
 // Nodes under the tissue are held where the bone is; all others are free: the
 // skin and the sides carry no load. Stable neo- Hookean fat; the top layer is a
 // mixture by thickness of fat and skin, a membrane as far as one layer of
-// tetrahedra can be one. Tissues of neighbouring regions share the nodes on the
+// tetrahedra can be one; below it muscles may lie (face_bundle.h). Tissues of neighbouring regions share the nodes on the
 // skin where their regions meet. Linear tetrahedra lock as Poisson's ratio goes
 // to 1/2: 0.45 is as far as it should go, and one layer has no inner nodes.
 #include <memory>
@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "sim/base/workers.h"
+#include "sim/skull/face/face_bundle.h"
 #include "sim/skull/simplex/tissue.h"
 
 namespace limberg::simplex {
@@ -21,6 +22,7 @@ struct ElasticitySettings {
   double poisson = 0.45;  // 0..0.49
   double skin_mm = 2;     // thickness of the skin, part of the top layer
   double skin_kPa = 60;   // its Young modulus; 0: fat alone
+  std::vector<FaceBundle> bundles;
 };
 
 /// Young's modulus of a tissue's top layer: skin and fat by their shares of its mean thickness.
@@ -32,13 +34,19 @@ class FaceElasticity {
     const Tissue* tissue = nullptr;
     double young_kPa = 10;  // of the fat
   };
-  /// Throws InputError on moduli that are not positive and finite, or a body without tetrahedra.
+  /// Throws InputError on moduli that are not positive and finite, or a body without tetrahedra, and what bundle_law() refuses.
   FaceElasticity(std::span<const Body> bodies, const ElasticitySettings& settings, Workers& workers);
   ~FaceElasticity();
 
   size_t nodes() const;
   /// The number here of node i of a body (welded nodes have one).
   int32_t node(size_t body, size_t i) const { return node_[body][i]; }
+  /// How many tetrahedra each of the bundles has, and their volume.
+  struct Bundled {
+    int tetrahedra = 0;
+    double volume_mm3 = 0;
+  };
+  const std::vector<Bundled>& bundled() const { return bundled_; }
   bool held(int32_t node) const { return held_[size_t(node)]; }
   /// Holds other nodes than the bones' (tests). One flag per node.
   void hold(std::span<const uint8_t> held);
@@ -58,6 +66,7 @@ class FaceElasticity {
   std::unique_ptr<Impl> impl_;
   std::vector<std::vector<int32_t>> node_;
   std::vector<uint8_t> held_;
+  std::vector<Bundled> bundled_;
 };
 
 }  // namespace limberg::simplex

@@ -231,6 +231,14 @@ std::vector<std::string> FaceModel::describe() const {
     if (r.plan.mode == TissueKind::springs || r.plan.mode == TissueKind::shape)
       out.back() += "; " + free_motions(size_t(&r - region_.data()));
   }
+  const std::vector<FaceBundle>& bundles = settings_.elasticity.bundles;
+  for (size_t b = 0; b < bundles.size(); ++b) {
+    const FaceElasticity::Bundled in = elastic_ ? elastic_->bundled()[b] : FaceElasticity::Bundled{};
+    out.push_back(
+        in.tetrahedra > 0
+            ? fmt::format("muscle {}: {} tetrahedra, {:.0f} mm³", bundles[b].name, in.tetrahedra, in.volume_mm3)
+            : fmt::format("muscle {} lies in no finite elements beneath the skin", bundles[b].name));
+  }
   return out;
 }
 

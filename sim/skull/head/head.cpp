@@ -46,10 +46,20 @@ std::string lies(const bone::Bones& bones, int32_t id) {
 
 }  // namespace
 
+namespace {
+
+simplex::FaceModelSettings with_muscles(std::vector<simplex::FaceBundle> muscles) {
+  simplex::FaceModelSettings s;
+  s.elasticity.bundles = std::move(muscles);
+  return s;
+}
+
+}  // namespace
+
 Head::Head(HeadParts parts, Workers& workers)
     : workers_(workers),
       bones_(std::move(parts.bones), workers),
-      face_(std::move(parts.face), workers),
+      face_(std::move(parts.face), workers, with_muscles(std::move(parts.muscles))),
       face_iterations_(parts.face_iterations),
       state_{std::move(parts.landmarks), {}},
       colour_(std::move(parts.colour)) {

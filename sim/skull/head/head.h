@@ -44,7 +44,8 @@ struct HeadParts {
   std::vector<HeadLandmark> landmarks;  // name, X_mm, on_face
   SurfaceColour colour;                 // may be empty
   std::vector<ConnectTissue> tissues;   // connected in this order; one that cannot be is an InputError
-  int face_iterations = 12;             // of one step
+  std::vector<simplex::FaceBundle> muscles;
+  int face_iterations = 12;  // of one step
 };
 
 /// Skin with no bone nearer lies over none, and tissue ends before it. Six tenths of what is nearest, and 5 mm, may be

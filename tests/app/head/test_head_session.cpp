@@ -198,8 +198,48 @@ TEST(HeadSession, ScenesSayWhatIsWrong) {
             std::string::npos);
   EXPECT_NE(why("[lattice]\ncell_mm = 3\n").find("lattice belongs to a [body]"), std::string::npos);
   EXPECT_NE(why("[head.landmarks]\nN = [1, 2]\n").find("is not [x, y, z]"), std::string::npos);
+  EXPECT_NE(why("[[head.muscle]]\npath = [[0, 0, 0], [1, 0, 0]]\n").find("name is missing"), std::string::npos);
+  EXPECT_NE(why("[[head.muscle]]\nname = \"m\"\npath = [\"a\"]\n").find("two to twenty"), std::string::npos);
+  EXPECT_NE(why("[[head.muscle]]\nname = \"m\"\npath = [\"a\", [1, 2]]\n").find("is no place"), std::string::npos);
+  EXPECT_NE(why("[[head.muscle]]\nname = \"m\"\npath = [\"a\", \"b\"]\nk1_kPa = -1\n").find("k1_kPa"),
+            std::string::npos);
+  EXPECT_NE(why("muscle = 3\n").find("expected [[head.muscle]]"), std::string::npos);
   // A landmark that is not there is found when the head is built.
   EXPECT_THROW(Assembly(ball_scene("bad", "[[head.tissue]]\nname = \"a\"\nface = \"Nowhere\"\n"), Calibration{}, {}),
+               InputError);
+}
+
+// The cap over the ring of bone that moves, stretched round it: a muscle across the ring's border holds it back.
+TEST(HeadSession, AMuscleHoldsBackWhatABoneMoves) {
+  const std::string tissue =
+      "[[head.tissue]]\nname = \"cap\"\nface = [0, 48, 0]\nface_radius_mm = 42\nlayers = 3\nmode = "
+      "\"finite_elements\"\n[head.landmarks]\nmiddle = [0, 40, 0]\n";
+  const auto moved_mm = [&](const std::string& muscle) {
+    Assembly a(ball_scene("muscle", tissue + muscle), Calibration{}, {});
+    for (const Command& c : operation()) EXPECT_TRUE(a.patient->apply(c).done);
+    StepSettings s;
+    for (int i = 0; i < 400; ++i) a.patient->step(s);
+    const simplex::FaceModel& face = a.head->face_model();
+    bool told = false;
+    for (const std::string& line : face.describe()) told |= line.find("muscle m") != std::string::npos;
+    EXPECT_EQ(told, !muscle.empty());
+    double most = 0;
+    for (size_t v = 0; v < face.rest_mm().size(); ++v)
+      if (face.rest_mm()[v].x() > 18 && face.rest_mm()[v].y() > 20)  // over the border, on the muscle's side
+        most = std::max(most, (face.face().x_mm[v] - face.rest_mm()[v]).norm());
+    return most;
+  };
+  const double without = moved_mm(""),
+               soft = moved_mm("[[head.muscle]]\nname = \"m\"\npath = [\"middle\", [40, 0, 0]]\nradius_mm = 1\n"),
+               strong = moved_mm(
+                   "[[head.muscle]]\nname = \"m\"\npath = [\"middle\", [31, 31, 0], [44, 0, 0]]\nradius_mm = "
+                   "14\nk1_kPa = 100\nk2 = 1\n");
+  std::printf("moved by %.3f mm, with a thread of a muscle %.3f, with a strong one %.3f\n", without, soft, strong);
+  EXPECT_GT(without, 2);
+  EXPECT_NEAR(soft, without, 0.02 * without);
+  EXPECT_GT(std::abs(strong - without), 0.03 * without);
+  EXPECT_THROW(Assembly(ball_scene("bad", tissue + "[[head.muscle]]\nname = \"m\"\npath = [\"middle\", \"nowhere\"]\n"),
+                        Calibration{}, {}),
                InputError);
 }
 
