@@ -183,8 +183,10 @@ void print_head_scene(const HeadScene& h) {
   for (const std::string& f : h.normal_files) std::printf("head        normal skull %s\n", f.c_str());
   if (!h.face) std::printf("head        no face\n");
   for (const HeadScene::TissueAt& t : h.tissues)
-    std::printf("tissue      %s, %d layers of %.4g kPa, %s, %.3g mm around on the face\n", t.tissue.name.c_str(),
-                t.tissue.layers, t.tissue.young_kPa, kTissueKinds[size_t(t.tissue.mode)], t.tissue.face_radius_mm);
+    std::printf("tissue      %s, %d layers of %.4g kPa, %s, %s on the face\n", t.tissue.name.c_str(), t.tissue.layers,
+                t.tissue.young_kPa, kTissueKinds[size_t(t.tissue.mode)],
+                t.outline_names.empty() ? fmt::format("{:.3g} mm around", t.tissue.face_radius_mm).c_str()
+                                        : fmt::format("within {} places", t.outline_names.size()).c_str());
 }
 
 void check_scene(const Scene& scene) {

@@ -98,6 +98,9 @@ HeadParts head_parts(const Scene& scene, Workers& workers) {
   for (const HeadScene::TissueAt& t : h.tissues) {
     ConnectTissue c = t.tissue;
     if (!t.face_name.empty()) c.face_mm = place_of(t.face_name);
+    for (size_t k = 0; k < t.outline_names.size(); ++k)
+      if (!t.outline_names[k].empty()) c.face_outline_mm[k] = place_of(t.outline_names[k]);
+    if (!c.face_outline_mm.empty()) c.face_mm = middle_of(c.face_outline_mm);
     if (!t.bone_name.empty()) c.bone_mm = place_of(t.bone_name);
     parts.tissues.push_back(std::move(c));
   }

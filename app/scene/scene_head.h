@@ -20,10 +20,11 @@
 //                    normal_skull = "FILE" or ["FILE", ...], the skull that it is laid upon, not the built-in one,
 //                    carries_skin_mm: with a [body], its fixed nodes that are at most so far from bone move with it
 //   [[head.tissue]]  name, face and bone: a place [x, y, z] or a landmark's
-//                    name; face_radius_mm, bone_radius_mm (0: all bone), layers,
+//                    name; face_radius_mm, or for both face_outline = [places, or landmarks] round the region;
+//                    bone_radius_mm (0: all bone), layers,
 //                    young_kPa, mode = "smoothing" | "springs" | "shape" | "finite_elements"
-//   [[head.muscle]]  in tissues of finite elements, beneath the skin: name, path = places or names of landmarks (2 to
-//                    20), radius_mm, young_kPa between the fibres, and of these k1_kPa, k2 (sim/fem/materials/fibres.h);
+//   [[head.muscle]]  in tissues of finite elements, beneath the skin: name, path = two places or names of landmarks or
+//                    more, radius_mm, young_kPa between the fibres, and of these k1_kPa, k2 (sim/fem/materials/fibres.h);
 //                    without k1_kPa a ligament
 //   [head.landmarks] NAME = [x, y, z] on bone;  [head.face_landmarks] the same on the face
 #include <optional>
@@ -56,8 +57,9 @@ struct HeadScene {
   std::optional<Eigen::Isometry3d> picture_from_head;
 
   struct TissueAt {
-    ConnectTissue tissue;              // its places are filled in when the head is built
-    std::string face_name, bone_name;  // landmarks; empty: the place is given
+    ConnectTissue tissue;                    // its places are filled in when the head is built
+    std::string face_name, bone_name;        // landmarks; empty: the place is given
+    std::vector<std::string> outline_names;  // of each place of face_outline_mm, likewise
   };
   std::vector<TissueAt> tissues;
   struct MuscleAt {

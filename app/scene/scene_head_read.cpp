@@ -1,5 +1,7 @@
 #include "app/scene/scene_head_read.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <filesystem>
 #include <iterator>
@@ -37,6 +39,33 @@ void place(Table& t, const toml::table& table, const char* key, Vec3& at, std::s
     t.vector(key, at, 1e4);
 }
 
+/// Places, or names of landmarks, each.
+void places(Table& t, const toml::table& table, const char* key, size_t least, std::vector<Vec3>& at,
+            std::vector<std::string>& names) {
+  constexpr size_t kMost = 200;
+  const std::string expected =
+      fmt::format("expected {} = [\"Zy_R\", \"Go_R\"] or places [x, y, z], {} to {}", key, least, kMost);
+  const toml::node* n = table.get(key);
+  const toml::array* a = n ? n->as_array() : nullptr;
+  if (!a || a->size() < least || a->size() > kMost) t.fail(key, "is no list of places; " + expected);
+  for (const toml::node& e : *a) {
+    Vec3& x = at.emplace_back(Vec3::Zero());
+    std::string& name = names.emplace_back();
+    if (const auto s = e.value<std::string>(); s && !s->empty() && s->size() <= 60) {
+      name = *s;
+      continue;
+    }
+    const toml::array* v = e.as_array();
+    bool good = v && v->size() == 3;
+    for (size_t k = 0; good && k < 3; ++k) {
+      const std::optional<double> number = (*v)[k].value<double>();
+      good = number && std::abs(*number) <= 1e4;
+      if (good) x[Eigen::Index(k)] = *number;
+    }
+    if (!good) t.fail(key, "holds something that is no place; " + expected);
+  }
+}
+
 void read_landmarks(const toml::table& head, const char* key, const std::string& file,
                     std::vector<std::pair<std::string, Vec3>>& out) {
   const toml::node* n = head.get(key);
@@ -61,12 +90,19 @@ HeadScene::TissueAt read_tissue(const toml::table& table, const std::string& fil
   ConnectTissue& c = out.tissue;
   if (!t.has("name")) t.fail("name", "is missing; expected a name");
   t.text("name", c.name, 60);
-  place(t, table, "face", c.face_mm, out.face_name);
+  const bool drawn = t.has("face_outline");
+  if (drawn) {
+    if (t.has("face")) t.fail("face", "stands beside face_outline; expected one of the two");
+    if (!t.has("bone") && t.has("bone_radius_mm")) t.fail("bone_radius_mm", "has no bone; expected bone as well");
+    places(t, table, "face_outline", 3, c.face_outline_mm, out.outline_names);
+  } else {
+    place(t, table, "face", c.face_mm, out.face_name);
+    t.real("face_radius_mm", c.face_radius_mm, 0, 500, true);
+  }
   if (t.has("bone"))
     place(t, table, "bone", c.bone_mm, out.bone_name);
   else
     c.bone_mm = c.face_mm, out.bone_name = out.face_name;
-  t.real("face_radius_mm", c.face_radius_mm, 0, 500, true);
   t.real("bone_radius_mm", c.bone_radius_mm, 0, 500);
   t.integer("layers", 1, 16, [&](int64_t v) { c.layers = int(v); });
   t.real("young_kPa", c.young_kPa, 0, 1e6, true);
@@ -77,7 +113,7 @@ HeadScene::TissueAt read_tissue(const toml::table& table, const std::string& fil
     if (at == std::end(kTissueKinds)) t.fail("mode", std::string("is of no known kind; expected ") + kTissueKindList);
     c.mode = TissueKind(at - std::begin(kTissueKinds));
   }
-  t.finish({"bone", "mode"});
+  t.finish({"bone", "mode", "face_outline"});
   return out;
 }
 
@@ -87,26 +123,7 @@ HeadScene::MuscleAt read_muscle(const toml::table& table, const std::string& fil
   simplex::FaceBundle& b = out.bundle;
   if (!t.has("name")) t.fail("name", "is missing; expected a name");
   t.text("name", b.name, 60);
-  constexpr const char* kPath = "expected path = [\"Zy_R\", \"Go_R\"] or places [x, y, z], two to twenty";
-  const toml::node* n = table.get("path");
-  const toml::array* a = n ? n->as_array() : nullptr;
-  if (!a || a->size() < 2 || a->size() > 20) t.fail("path", std::string("is no list of places; ") + kPath);
-  for (const toml::node& e : *a) {
-    Vec3& at = b.path_mm.emplace_back(Vec3::Zero());
-    std::string& name = out.names.emplace_back();
-    if (const auto s = e.value<std::string>(); s && !s->empty() && s->size() <= 60) {
-      name = *s;
-      continue;
-    }
-    const toml::array* x = e.as_array();
-    bool good = x && x->size() == 3;
-    for (size_t k = 0; good && k < 3; ++k) {
-      const std::optional<double> v = (*x)[k].value<double>();
-      good = v && std::abs(*v) <= 1e4;
-      if (good) at[Eigen::Index(k)] = *v;
-    }
-    if (!good) t.fail("path", std::string("holds something that is no place; ") + kPath);
-  }
+  places(t, table, "path", 2, b.path_mm, out.names);
   t.real("radius_mm", b.radius_mm, 0.1, 100);
   t.real("young_kPa", b.young_kPa, 0.01, 1e6);
   t.real("k1_kPa", b.k1_kPa, 0, 1e6);

@@ -93,7 +93,9 @@ void DeskHead::between(bool has_face, const Words& w) {
   }
   ImGui::PushItemWidth(72);
   const auto field = [](const char* key) -> const ActionField& { return action_field("connect_tissue", key); };
-  field_slider(w("on the face, mm"), field("face_radius_mm"), tissue.face_radius_mm, "%.0f");
+  if (on_face_.size() >= 3) ImGui::Checkbox(w("within the {} places on the face", on_face_.size()).c_str(), &outlined);
+  if (on_face_.size() < 3 || !outlined)
+    field_slider(w("on the face, mm"), field("face_radius_mm"), tissue.face_radius_mm, "%.0f");
   field_slider(w("on bone, mm"), field("bone_radius_mm"), tissue.bone_radius_mm, "%.0f", w("all of it"));
   const Field& layers = field("layers").field;
   ImGui::SliderInt(w("layers"), &tissue.layers, int(layers.usual_from), int(layers.usual_to));
@@ -176,6 +178,10 @@ std::optional<Command> DeskHead::tied() const {
   ConnectTissue t = tissue;
   t.name = on_face_.back().name + "-" + on_bone_.back().name;
   t.face_mm = on_face_.back().now_mm, t.bone_mm = on_bone_.back().now_mm;
+  if (outlined && on_face_.size() >= 3) {
+    for (const Pick& p : on_face_) t.face_outline_mm.push_back(p.now_mm);
+    t.face_mm = middle_of(t.face_outline_mm);
+  }
   return HeadCommand(std::move(t));
 }
 

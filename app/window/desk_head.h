@@ -22,6 +22,7 @@ namespace limberg {
 struct DeskHead {
   std::array<char, 16> name{"M1"};  // of the next place picked
   ConnectTissue tissue;             // as the panel shows it; its name and places are those of the picks
+  bool outlined = false;            // within the places picked on the face, where there are three or more
   SkullBeside beside = SkullBeside::off;
   std::string skull_word;
   std::array<float, 3> shift_mm{}, turn_deg{};  // of the fragment that was picked last: right, forward, up

@@ -96,10 +96,16 @@ struct ConnectTissue {
   std::string name;
   Vec3 face_mm{0, 0, 0}, bone_mm{0, 0, 0};
   double face_radius_mm = 25, bone_radius_mm = 0;
+  std::vector<Vec3> face_outline_mm;  // a closed line round the region of the face; none: all within face_radius_mm
   int layers = 2;
   double young_kPa = 10;
   TissueKind mode = TissueKind::finite_elements;
 };
+inline Vec3 middle_of(const std::vector<Vec3>& places) {
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3& x : places) sum += x;
+  return places.empty() ? sum : Vec3(sum / double(places.size()));
+}
 struct PlaceLandmark {
   std::string name;
   Vec3 at_mm{0, 0, 0};

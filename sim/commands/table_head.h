@@ -270,9 +270,15 @@ struct Act<ConnectTissue> {
       R"({"action":"connect_tissue","name":"chin","face":[0,90,-80],"face_radius_mm":25,"bone":[0,80,-80],"bone_radius_mm":40,"layers":3,"young_kPa":10,"mode":"finite_elements"})";
   static void fields(auto& v, auto& c) {
     v(Field::text("name", 60, "what the tissue is called"), c.name);
-    v(Field::given("face", "the middle of the region of the face"), c.face_mm);
-    v(Field::number_above("face_radius_mm", 0, 500, "how far the region of the face reaches").usually(8, 80),
-      c.face_radius_mm);
+    if (v.form("face_outline", !c.face_outline_mm.empty(), " in an outline", " round a place")) {
+      v(Field::path("face_outline", 3, "a closed line on the face round its region: picked places, or dense"),
+        c.face_outline_mm);
+      if constexpr (!std::is_const_v<std::remove_reference_t<decltype(c)>>) c.face_mm = middle_of(c.face_outline_mm);
+    } else {
+      v(Field::given("face", "the middle of the region of the face"), c.face_mm);
+      v(Field::number_above("face_radius_mm", 0, 500, "how far the region of the face reaches").usually(8, 80),
+        c.face_radius_mm);
+    }
     v.same_unless_given(c.bone_mm, c.face_mm);
     v(Field::optional("bone", "the middle of the region of the bone; left out: that of the face", Stands::written),
       c.bone_mm);

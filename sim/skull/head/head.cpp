@@ -303,7 +303,11 @@ Outcome Head::connect(const ConnectTissue& t) {
   simplex::FaceTissuePlan plan;
   plan.name = t.name;
   plan.layers = t.layers, plan.young_kPa = t.young_kPa, plan.mode = t.mode;
-  plan.face_region = simplex::region_around(face, nearest_vertex(face.x_mm, face, t.face_mm), t.face_radius_mm);
+  plan.face_region = t.face_outline_mm.empty()
+                         ? simplex::region_around(face, nearest_vertex(face.x_mm, face, t.face_mm), t.face_radius_mm)
+                         : simplex::region_within(face, t.face_outline_mm);
+  if (plan.face_region.empty())
+    return refuse("no vertex of the face lies within face_outline; expected a wider line round a part of it");
   if (t.bone_radius_mm > 0) {
     for (int32_t v = 0; v < placed_.slots(); ++v)
       if (placed_.alive(v) && (placed_.x_mm[size_t(v)] - t.bone_mm).norm() <= t.bone_radius_mm)

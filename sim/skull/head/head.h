@@ -80,8 +80,8 @@ void fields(const HeadLandmark& l, V&& v) {
 }
 template <class V>
 void fields(const ConnectTissue& t, V&& v) {
-  const auto& [name, face_mm, bone_mm, face_radius_mm, bone_radius_mm, layers, young_kPa, mode] = t;
-  v(name, face_mm, bone_mm, face_radius_mm, bone_radius_mm, layers, young_kPa, mode);
+  const auto& [name, face_mm, bone_mm, face_radius_mm, bone_radius_mm, face_outline_mm, layers, young_kPa, mode] = t;
+  v(name, face_mm, bone_mm, face_radius_mm, bone_radius_mm, face_outline_mm, layers, young_kPa, mode);
 }
 template <class V>
 void fields(const HeadState& s, V&& v) {

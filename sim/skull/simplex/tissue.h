@@ -138,6 +138,10 @@ bool way_to_bone(const Bvh& bone, const Vec3& top, const Vec3& normal, double fa
 /// Vertices within so many mm of v along edges, v first: a region as a cursor paints it.
 std::vector<int32_t> region_around(const Mesh& mesh, int32_t v, double radius_mm);
 
+/// Vertices within a closed line on the mesh, seen along the line's own normal: those on the same side of the mesh as
+/// the one nearest to the line's middle, which is first. Empty where the line encloses nothing.
+std::vector<int32_t> region_within(const Mesh& mesh, std::span<const Vec3> outline_mm);
+
 /// Of a region what build_tissue takes: no vertex on a rim, one part (that of the first vertex that is left), nowhere
 /// pinched. A region that is such already comes back as it is.
 std::vector<int32_t> patch_of(const Mesh& mesh, std::vector<int32_t> region);

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <numeric>
 #include <queue>
 
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/geometry/bvh.h"
+#include "sim/geometry/polyline.h"
 #include "sim/skull/simplex/dual.h"
 #include "sim/skull/simplex/tissue_feet.h"
 
@@ -373,6 +375,34 @@ std::vector<int32_t> region_around(const Mesh& m, int32_t v, double radius) {
       if (const double w = d + (m.x_mm[size_t(t)] - m.x_mm[size_t(u)]).norm(); w <= radius && w < far[size_t(t)])
         far[size_t(t)] = w, open.push({w, t});
   }
+  return region;
+}
+
+std::vector<int32_t> region_within(const Mesh& m, std::span<const Vec3> outline) {
+  if (outline.size() < 3) return {};
+  const Vec3 middle = std::accumulate(outline.begin(), outline.end(), Vec3(Vec3::Zero())) / double(outline.size());
+  Vec3 normal = Vec3::Zero();  // twice the area's vector
+  for (size_t i = 0; i < outline.size(); ++i)
+    normal += (outline[i] - middle).cross(outline[(i + 1) % outline.size()] - middle);
+  if (!(normal.norm() > 0)) return {};
+  normal.normalize();
+  const Vec3 e1 = normal.unitOrthogonal(), e2 = normal.cross(e1);
+  const auto flat = [&](const Vec3& x) { return Vec2((x - middle).dot(e1), (x - middle).dot(e2)); };
+  std::vector<Vec2> polygon;
+  for (const Vec3& x : outline) polygon.push_back(flat(x));
+  int32_t first = -1;
+  double least = std::numeric_limits<double>::infinity();
+  for (int32_t v = 0; v < m.slots(); ++v)
+    if (m.alive(v) && inside_polygon(polygon, flat(m.x_mm[size_t(v)])))
+      if (const double d = (m.x_mm[size_t(v)] - middle).squaredNorm(); d < least) least = d, first = v;
+  std::vector<int32_t> region;
+  if (first < 0) return region;
+  std::vector<uint8_t> seen(m.nbr.size(), 0);
+  region.push_back(first), seen[size_t(first)] = 1;
+  for (size_t i = 0; i < region.size(); ++i)
+    for (const int32_t t : m.nbr[size_t(region[i])])
+      if (t >= 0 && !seen[size_t(t)] && inside_polygon(polygon, flat(m.x_mm[size_t(t)])))
+        seen[size_t(t)] = 1, region.push_back(t);
   return region;
 }
 

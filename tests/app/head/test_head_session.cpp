@@ -198,8 +198,14 @@ TEST(HeadSession, ScenesSayWhatIsWrong) {
             std::string::npos);
   EXPECT_NE(why("[lattice]\ncell_mm = 3\n").find("lattice belongs to a [body]"), std::string::npos);
   EXPECT_NE(why("[head.landmarks]\nN = [1, 2]\n").find("is not [x, y, z]"), std::string::npos);
+  EXPECT_NE(why("[[head.tissue]]\nname = \"a\"\nface_outline = [[0, 48, 0], [1, 48, 0]]\n").find("3 to 200"),
+            std::string::npos);
+  EXPECT_NE(
+      why("[[head.tissue]]\nname = \"a\"\nface = [0, 48, 0]\nface_outline = [[0, 48, 0], [9, 48, 0], [0, 48, 9]]\n")
+          .find("one of the two"),
+      std::string::npos);
   EXPECT_NE(why("[[head.muscle]]\npath = [[0, 0, 0], [1, 0, 0]]\n").find("name is missing"), std::string::npos);
-  EXPECT_NE(why("[[head.muscle]]\nname = \"m\"\npath = [\"a\"]\n").find("two to twenty"), std::string::npos);
+  EXPECT_NE(why("[[head.muscle]]\nname = \"m\"\npath = [\"a\"]\n").find("2 to 200"), std::string::npos);
   EXPECT_NE(why("[[head.muscle]]\nname = \"m\"\npath = [\"a\", [1, 2]]\n").find("is no place"), std::string::npos);
   EXPECT_NE(why("[[head.muscle]]\nname = \"m\"\npath = [\"a\", \"b\"]\nk1_kPa = -1\n").find("k1_kPa"),
             std::string::npos);

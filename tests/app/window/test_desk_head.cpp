@@ -67,6 +67,16 @@ TEST(DeskHead, APickIsThePlaceAtRestOfWhatLiesUnderTheMouse) {
   EXPECT_STREQ(d.name.data(), "M3");
   d.see({"al_R", "Pog", "M1", "M2"}, now);
   EXPECT_EQ(tissue().name, "M2-Pog");
+  // Of three places on the face or more an outline, where that is asked for.
+  d.outlined = true;
+  EXPECT_TRUE(tissue().face_outline_mm.empty());
+  for (int i = 0; i < 2; ++i) landmark(1);
+  const std::vector<Vec3f> all{{0, 0, 0}, {0, 0, 0}, {1, 2, 3}, {4, 5, 6}, {10, 5, 6}, {4, 11, 6}};
+  d.see({"al_R", "Pog", "M1", "M2", "M3", "M4"}, all);
+  EXPECT_EQ(tissue().face_outline_mm, (std::vector<Vec3>{{4, 5, 6}, {10, 5, 6}, {4, 11, 6}}));
+  EXPECT_EQ(tissue().face_mm, Vec3(6, 7, 6));
+  d.outlined = false;
+  EXPECT_TRUE(tissue().face_outline_mm.empty());
 }
 
 TEST(DeskHead, BonesAreActedOnThroughThePlacesPickedLast) {

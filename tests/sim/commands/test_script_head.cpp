@@ -29,6 +29,9 @@ TEST(ScriptHead, EveryActSurvivesTheRoundTrip) {
   ConnectTissue tissue;
   tissue.name = "chin", tissue.face_mm = {0, 90, -80}, tissue.bone_mm = {0, 80, -80}, tissue.layers = 3,
   tissue.young_kPa = 7.5, tissue.mode = TissueKind::springs;
+  ConnectTissue drawn = tissue;
+  drawn.face_outline_mm = {{-20, 90, -60}, {20, 90, -60.5}, {0, 84, -90}};
+  drawn.face_mm = middle_of(drawn.face_outline_mm);
   const std::vector<HeadCommand> acts{contour,
                                       plane,
                                       step,
@@ -39,6 +42,7 @@ TEST(ScriptHead, EveryActSurvivesTheRoundTrip) {
                                       PlateFragments{{1, 2, 3}, {4, 5, 6}},
                                       JoinFragments{{0, Vec3::Zero()}, {-1, {9, 8, 7}}, 8},
                                       tissue,
+                                      drawn,
                                       Unplate{{2, Vec3::Zero()}},
                                       SortFragments{},
                                       SplitFace{{0, 84, 60.5}},
@@ -56,6 +60,20 @@ TEST(ScriptHead, EveryActSurvivesTheRoundTrip) {
     EXPECT_EQ(std::get<HeadCommand>(read).index(), act.index());
     EXPECT_STREQ(action_name(read), action_name(Command(act)));
   }
+}
+
+TEST(ScriptHead, ADrawnRegionHasItsMiddle) {
+  const Command c =
+      parse_command(R"({"action":"connect_tissue","name":"a","face_outline":[[0,90,0],[6,90,0],[0,96,3]]})", "s", 1);
+  const auto& t = std::get<ConnectTissue>(std::get<HeadCommand>(c));
+  EXPECT_EQ(t.face_outline_mm.size(), 3u);
+  EXPECT_EQ(t.face_mm, Vec3(2, 92, 1));
+  EXPECT_EQ(t.bone_mm, Vec3(2, 92, 1));
+  EXPECT_NE(why(R"({"action":"connect_tissue","name":"a","face_outline":[[0,90,0],[6,90,0]]})").find("expected 3"),
+            std::string::npos);
+  EXPECT_NE(why(R"({"action":"connect_tissue","name":"a","face":[0,1,2],"face_outline":[[0,90,0],[6,90,0],[0,96,3]]})")
+                .find("\"face\""),
+            std::string::npos);
 }
 
 TEST(ScriptHead, BadLinesSayLineAndReason) {

@@ -75,6 +75,45 @@ TEST(Tissue, TheConstructionDoesNotDependOnTheOrderOfTheRegion) {
   EXPECT_NEAR(volume(a), volume(b), 1e-9 * volume(a));
 }
 
+// A circle drawn on a ball holds what lies within its cone on that side, whichever way round it is drawn.
+TEST(Tissue, ADrawnRegionIsWhatTheLineEncloses) {
+  const Mesh ball = make_sphere({5, 0, 0}, 60, 4);
+  const double half_deg = 25;
+  std::vector<Vec3> circle;
+  const Vec3 axis = Vec3(1, 2, 1).normalized(), e1 = axis.unitOrthogonal(), e2 = axis.cross(e1);
+  for (int i = 0; i < 90; ++i) {
+    const double a = i * M_PI / 45, h = half_deg * M_PI / 180;
+    circle.push_back(Vec3(5, 0, 0) + 60 * (std::cos(h) * axis + std::sin(h) * (std::cos(a) * e1 + std::sin(a) * e2)));
+  }
+  const std::vector<Vec3> other_way(circle.rbegin(), circle.rend());
+  for (const auto& line : {circle, other_way}) {
+    const std::vector<int32_t> region = region_within(ball, line);
+    std::vector<uint8_t> in(ball.nbr.size(), 0);
+    for (const int32_t v : region) in[size_t(v)] = 1;
+    EXPECT_GT(region.size(), 20u);
+    for (int32_t v = 0; v < ball.slots(); ++v) {
+      const double deg = std::acos((ball.x_mm[size_t(v)] - Vec3(5, 0, 0)).normalized().dot(axis)) * 180 / M_PI;
+      EXPECT_TRUE(std::abs(deg - half_deg) < 0.5 || bool(in[size_t(v)]) == (deg < half_deg)) << deg;
+    }
+  }
+  // Concave: an L of two arms leaves out the corner between them.
+  const Mesh sheet = make_plane(60, 60, 3);
+  const std::vector<Vec3> l{{-20, -20, 0}, {20, -20, 0}, {20, -10, 0}, {-10, -10, 0}, {-10, 20, 0}, {-20, 20, 0}};
+  Vec3 centre = Vec3::Zero();
+  for (const Vec3& x : sheet.x_mm) centre += x / double(sheet.x_mm.size());
+  std::vector<Vec3> there;
+  for (const Vec3& x : l) there.push_back(x + centre);
+  const std::vector<int32_t> arms = region_within(sheet, there);
+  EXPECT_GT(arms.size(), 20u);
+  for (const int32_t v : arms) {
+    const Vec3 x = sheet.x_mm[size_t(v)] - centre;
+    EXPECT_TRUE(x.x() <= -10 || x.y() <= -10) << x.transpose();
+  }
+  EXPECT_TRUE(region_within(sheet, std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}}).empty());
+  EXPECT_TRUE(region_within(sheet, std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}).empty()) << "a line of no width";
+  EXPECT_TRUE(region_within(sheet, std::vector<Vec3>{{900, 0, 0}, {901, 0, 0}, {900, 1, 0}}).empty());
+}
+
 TEST(Tissue, RegionsThatCannotBeAreRefusedWithReasons) {
   Head head;
   InlineWorkers w;
