@@ -47,7 +47,7 @@ struct OperationOutcome {
   std::vector<StageRow> stages;       // t_s: number of the script's line, not a time
   SolverSeries series;                // t_s: number of the solver step
   StepReport last;
-  bool stalled = false;                // on the last way to rest more iterations gained nothing, or could (stall_watch.h)
+  bool stalled = false;                // on the last way to rest more iterations gained nothing (stall_watch.h)
   double solve_ms = 0;                 // wall time of all solver steps
   int64_t iterations = 0;              // of the minimiser, in all of them
   size_t cells = 0;                    // lattice cells that held material before the first cut

@@ -24,8 +24,8 @@
 //                    bone_radius_mm (0: all bone), layers,
 //                    young_kPa, mode = "smoothing" | "springs" | "shape" | "finite_elements"
 //   [[head.muscle]]  in tissues of finite elements, beneath the skin: name, path = two places or names of landmarks or
-//                    more, radius_mm, young_kPa between the fibres, and of these k1_kPa, k2 (sim/fem/materials/fibres.h);
-//                    without k1_kPa a ligament
+//                    more, radius_mm, young_kPa between the fibres, and of these k1_kPa, k2
+//                    (sim/fem/materials/fibres.h); without k1_kPa a ligament
 //   [head.landmarks] NAME = [x, y, z] on bone;  [head.face_landmarks] the same on the face
 #include <optional>
 #include <string>

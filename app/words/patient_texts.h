@@ -246,6 +246,7 @@ inline constexpr const char* kPatientTexts[] = {
     english("there is no bone within 15 mm of that place; expected a place on a fragment as it was at first"),
     english("there is no bone; expected a place on bone"),
     english("there is no face; expected a head with one"),
+    english("no vertex of the face lies within face_outline; expected a wider line round a part of it"),
     english("soft tissue knows no such act; a cut, a hook or a stitch was expected"),
     english("the same cut came out differently: a defect of the program"),
     english("a place of the cut is not finite"),

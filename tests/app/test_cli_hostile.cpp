@@ -155,7 +155,7 @@ default_spacing_mm = 4
 )";
   const auto hashes = [&](const std::string& text) {
     const Outcome o = run("operate " + mid + " " + file("n.jsonl", script(text)) + " --json " + path("n.json"));
-    EXPECT_EQ(o.status, 0) << o.err;
+    EXPECT_TRUE(o.status == 0 || o.status == 3) << o.err;  // 3: what is left open is told
     const auto j = nlohmann::json::parse(slurp(path("n.json")));
     return j["topology_hash"].get<std::string>() + " " + j["state_hash"].get<std::string>();
   };

@@ -150,8 +150,8 @@ class Writer {
     }
     return place(f_, c) + plan_.corner_mm * tissue_bisector(f_, c);
   }
-  // In a tip as narrow as that between two lobes a hand would meet the other side of its edge: deeper in, but not so deep
-  // that a small tip is folded over.
+  // In a tip as narrow as that between two lobes a hand would meet the other side of its edge: deeper in, but not so
+  // deep that a small tip is folded over.
   Vec2 in_tip(const Corner& c) const {
     constexpr double kBeside_mm = 0.3, kOfSide = 2. / 3, kStep_mm = 0.1;
     const std::vector<Vec2>& w = f_.wounds[size_t(c.wound)];

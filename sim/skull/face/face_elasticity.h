@@ -5,9 +5,10 @@
 // Nodes under the tissue are held where the bone is; all others are free: the
 // skin and the sides carry no load. Stable neo- Hookean fat; the top layer is a
 // mixture by thickness of fat and skin, a membrane as far as one layer of
-// tetrahedra can be one; below it muscles may lie (face_bundle.h). Tissues of neighbouring regions share the nodes on the
-// skin where their regions meet. Linear tetrahedra lock as Poisson's ratio goes
-// to 1/2: 0.45 is as far as it should go, and one layer has no inner nodes.
+// tetrahedra can be one; below it muscles may lie (face_bundle.h). Tissues of
+// neighbouring regions share the nodes on the skin where their regions meet.
+// Linear tetrahedra lock as Poisson's ratio goes to 1/2: 0.45 is as far as it
+// should go, and one layer has no inner nodes.
 #include <memory>
 #include <span>
 #include <vector>
@@ -34,7 +35,8 @@ class FaceElasticity {
     const Tissue* tissue = nullptr;
     double young_kPa = 10;  // of the fat
   };
-  /// Throws InputError on moduli that are not positive and finite, or a body without tetrahedra, and what bundle_law() refuses.
+  /// Throws InputError on moduli that are not positive and finite, or a body without tetrahedra, and what bundle_law()
+  /// refuses.
   FaceElasticity(std::span<const Body> bodies, const ElasticitySettings& settings, Workers& workers);
   ~FaceElasticity();
 
