@@ -107,15 +107,16 @@ TEST(Head, ARegionMayBeDrawnInsteadOfADisc) {
   ConnectTissue t;
   t.name = "cap", t.face_mm = {0, 0, 38}, t.bone_mm = {0, 0, 30}, t.face_radius_mm = 20, t.mode = TissueKind::springs;
   ASSERT_TRUE(disc.apply(HeadCommand(t)).done);
-  const double R = 38;  // where the disc's middle was: as far along the ball as the disc reaches
+  const double R = 38;  // of the face
   for (int i = 0; i < 36; ++i)
     t.face_outline_mm.push_back({R * std::sin(20 / R) * std::cos(i * M_PI / 18),
                                  R * std::sin(20 / R) * std::sin(i * M_PI / 18), R * std::cos(20 / R)});
   Outcome o = drawn.apply(HeadCommand(t));
   ASSERT_TRUE(o.done) << o.reason;
   const auto vertices = [](Skull& h) { return double(h.head()->face_model().tissues()[0]->link.size()); };
-  EXPECT_NEAR(vertices(drawn), vertices(disc), 0.25 * vertices(disc));  // ways along edges are longer than the ball's
-  EXPECT_GT(vertices(drawn), 5);
+  const double share = (1 - std::cos(20 / R)) / 2;  // of the ball, that its cap has
+  EXPECT_NEAR(vertices(drawn), share * double(drawn.face().vertices()), 0.1 * vertices(drawn));
+  EXPECT_LT(vertices(disc), vertices(drawn));  // ways along edges are longer than those on the ball
   for (Vec3& x : t.face_outline_mm) x += Vec3(300, 0, 0);
   o = beside.apply(HeadCommand(t));
   EXPECT_FALSE(o.done);
