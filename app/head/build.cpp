@@ -95,19 +95,21 @@ HeadParts head_parts(const Scene& scene, Workers& workers) {
                      std::string("head.") + key + " names the landmark \"" + name +
                          "\", which is not there; expected a place [x, y, z] or one of the landmarks");
   };
+  const auto fill = [&](std::vector<Vec3>& at, const std::vector<std::string>& names, const char* key) {
+    for (size_t k = 0; k < names.size(); ++k)
+      if (!names[k].empty()) at[k] = place_of(names[k], key);
+  };
   for (const HeadScene::TissueAt& t : h.tissues) {
     ConnectTissue c = t.tissue;
     if (!t.face_name.empty()) c.face_mm = place_of(t.face_name);
-    for (size_t k = 0; k < t.outline_names.size(); ++k)
-      if (!t.outline_names[k].empty()) c.face_outline_mm[k] = place_of(t.outline_names[k]);
+    fill(c.face_outline_mm, t.outline_names, "tissue");
     if (!c.face_outline_mm.empty()) c.face_mm = middle_of(c.face_outline_mm);
     if (!t.bone_name.empty()) c.bone_mm = place_of(t.bone_name);
     parts.tissues.push_back(std::move(c));
   }
   for (const HeadScene::MuscleAt& m : h.muscles) {
     simplex::FaceBundle& b = parts.muscles.emplace_back(m.bundle);
-    for (size_t k = 0; k < b.path_mm.size(); ++k)
-      if (!m.names[k].empty()) b.path_mm[k] = place_of(m.names[k], "muscle");
+    fill(b.path_mm, m.names, "muscle");
   }
   return parts;
 }

@@ -38,7 +38,7 @@ StepReport ContactDriver::step(const StepSettings& settings) {
       more = false;
     else
       more = others || !(report.converged || report.at_floor);
-    if (others) report.stalled = report.at_floor = false;  // of those before
+    if (others) report.stalled = report.at_floor = false;  // said with the contacts before
     if (!more && others && report.converged) {             // is it at rest with these, too?
       part.max_iterations = 0;
       report = solver.step(part);

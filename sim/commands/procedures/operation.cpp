@@ -184,34 +184,37 @@ class Writer {
   void sew(const Seam& s) {
     const auto a = bank(f_, s.a_from, s.a_to, true), b = bank(f_, s.b_from, s.b_to, false);
     const double la = path_length(a), lb = path_length(b), longer = std::max(la, lb);
+    // Of equal parts from t0 to the end stitch 0 stands at t0, where no key holds it already.
     const double t0 = s.no_key ? kNearCorner_mm / longer : 0;
-    const int parts = int(parts_of_row((1 - t0) * longer, plan_.spacing_mm));
-    const int n = parts - (s.no_key ? 0 : 1);  // but for ends that are held already
-    const auto place = [&](int i) { return t0 + (1 - t0) * double(s.no_key ? i - 1 : i) / parts; };
-    const auto at = [&](double t) { return std::pair(bite(a, t * la, 1), bite(b, t * lb, -1)); };
-    const auto stitch = [&](double t) {
-      const auto [pa, pb] = at(t);
+    const int parts = int(parts_of_row((1 - t0) * longer, plan_.spacing_mm)), first = s.no_key ? 0 : 1;
+    const int n = parts - first;
+    const auto at = [&](int i) {
+      const double t = t0 + (1 - t0) * double(first + i) / parts;
+      return std::pair(bite(a, t * la, 1), bite(b, t * lb, -1));
+    };
+    const auto stitch = [&](int i) {
+      const auto [pa, pb] = at(i);
       commands.push_back(Suture{chart(pa), chart(pb)});
     };
     if (n < 1) return;
-    if (n == 1) return stitch(place(1));
+    if (n == 1) return stitch(0);
     if (s.from_middle) return halve(stitch, n);
     SutureRow row;
     row.spacing_mm = plan_.spacing_mm;
-    for (int i = 1; i <= n; ++i) {
-      const auto [pa, pb] = at(place(i));
+    for (int i = 0; i < n; ++i) {
+      const auto [pa, pb] = at(i);
       row.a.push_back(chart(pa)), row.b.push_back(chart(pb));
     }
     commands.push_back(std::move(row));
   }
 
-  // Stitches 1..n of n + 1 equal parts: the middle one, then the middles of both halves, and so on.
+  // Stitches 0..n-1: the middle one, then the middles of both halves, and so on.
   static void halve(const auto& stitch, int n) {
-    std::vector<std::pair<int, int>> open{{1, n}};
+    std::vector<std::pair<int, int>> open{{0, n - 1}};
     for (size_t i = 0; i < open.size(); ++i) {
       const auto [lo, hi] = open[i];
       const int mid = (lo + hi) / 2;
-      stitch(double(mid) / (n + 1));
+      stitch(mid);
       if (mid > lo) open.push_back({lo, mid - 1});
       if (hi > mid) open.push_back({mid + 1, hi});
     }

@@ -149,16 +149,14 @@ void LbfgsSolver::set_springs(std::span<const Spring> springs) {
       throw InputError("", 0, "two springs have the id " + std::to_string(sorted[i].id));
   const bool same = std::equal(sorted.begin(), sorted.end(), springs_.begin(), springs_.end(), moved_only);
   const auto stands = [](const Spring& a, const Spring& b) { return !a.to_world || a.target_mm == b.target_mm; };
-  if (same && !std::equal(sorted.begin(), sorted.end(), springs_.begin(), stands)) lagging_iterations_ = 0;
+  const bool carried = same && !std::equal(sorted.begin(), sorted.end(), springs_.begin(), stands);
+  if (carried) lagging_iterations_ = 0;
   bool drawn = false;
   for (size_t i = 0; same && i < sorted.size(); ++i)
     drawn |= !sorted[i].to_world &&
              (sorted[i].target_mm != springs_[i].target_mm || sorted[i].thread_mm != springs_[i].thread_mm);
   if (drawn) history_.clear();
-  if (!same || !std::equal(sorted.begin(), sorted.end(), springs_.begin(), [](const Spring& a, const Spring& b) {
-        return a.target_mm == b.target_mm && a.thread_mm == b.thread_mm;
-      }))
-    level_watch_ = {};
+  if (!same || carried || drawn) level_watch_ = {};
   springs_ = std::move(sorted);
   forces_ = SpringForces(*model_, springs_);
   if (same) return;

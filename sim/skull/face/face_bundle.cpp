@@ -1,12 +1,12 @@
 #include "sim/skull/face/face_bundle.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "sim/base/error.h"
 #include "sim/fem/materials/fibres.h"
 #include "sim/fem/materials/stable_neo_hookean.h"
 #include "sim/fem/model/box_model.h"
+#include "sim/geometry/polyline.h"
 
 namespace limberg::simplex {
 
@@ -16,9 +16,7 @@ std::optional<InBundle> bundle_at(std::span<const FaceBundle> bundles, const Vec
     double least_mm = bundles[b].radius_mm;
     std::optional<InBundle> found;
     for (size_t k = 0; k + 1 < path.size(); ++k) {
-      const Vec3 way = path[k + 1] - path[k];
-      const double t = std::clamp((X - path[k]).dot(way) / way.squaredNorm(), 0., 1.);
-      const double off_mm = (path[k] + t * way - X).norm();
+      const double off_mm = distance_to_segment(X, path[k], path[k + 1]);
       if (off_mm <= least_mm) least_mm = off_mm, found = InBundle{b, k};
     }
     if (found) return found;

@@ -40,7 +40,7 @@ FaceElasticity::FaceElasticity(std::span<const Body> bodies, const ElasticitySet
   std::vector<std::vector<int32_t>> law_of;  // of each bundle, by the pieces of its path
   for (const FaceBundle& b : s.bundles) {
     std::vector<int32_t>& laws = law_of.emplace_back();
-    for (size_t k = 0; k + 1 < std::max<size_t>(2, b.path_mm.size()); ++k)
+    for (size_t k = 0; k == 0 || k + 1 < b.path_mm.size(); ++k)  // a path without a piece is refused with its first
       laws.push_back(shaped.add_law(bundle_law(b, k, s.poisson)));
   }
   bundled_.resize(s.bundles.size());

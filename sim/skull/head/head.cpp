@@ -44,10 +44,6 @@ std::string lies(const bone::Bones& bones, int32_t id) {
   return words;
 }
 
-}  // namespace
-
-namespace {
-
 simplex::FaceModelSettings with_muscles(std::vector<simplex::FaceBundle> muscles) {
   simplex::FaceModelSettings s;
   s.elasticity.bundles = std::move(muscles);

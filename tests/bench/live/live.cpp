@@ -104,10 +104,10 @@ struct Recording {
 /// An operation that is not shipped as a recording: carried out by an emulated hand first. A hand that does not do well
 /// (3) leaves a recording, too.
 Recording emulated(const std::string& program, const std::string& name, const std::string& scene,
-                   const std::string& script, const std::string& folder, const std::string& seed = "1") {
+                   const std::string& script, const std::string& folder) {
   const std::string log = folder + "/" + name + ".lcm";
   const int status =
-      run_child({program, "emulate", scene, script, "--out", log, "--seed", seed}, folder + "/loader").status;
+      run_child({program, "emulate", scene, script, "--out", log, "--seed", "1"}, folder + "/loader").status;
   if (status != 0 && status != 3)
     throw InputError(program, 0, "the operation " + name + " cannot be emulated; expected exit status 0 or 3");
   return {name, log};
