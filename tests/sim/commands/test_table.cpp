@@ -3,8 +3,10 @@
 
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <regex>
 #include <set>
 
 #include "app/program/places.h"
@@ -262,6 +264,24 @@ TEST(Table, ThePageIsMadeFromIt) {
   std::ifstream in(source_dir() + "/docs/actions.md", std::ios::binary);
   const std::string text((std::istreambuf_iterator<char>(in)), {});
   EXPECT_EQ(text, actions_markdown()) << "renew with: build/limberg actions --markdown > docs/actions.md";
+}
+
+TEST(Table, PythonsStubsNameItsFields) {
+  std::ifstream in(source_dir() + "/library/python/__init__.pyi");
+  std::map<std::string, std::set<std::string>> written, wanted;
+  const std::regex argument(R"((\w+): [A-Z\w])");
+  bool made = false;
+  for (std::string line; std::getline(in, line);) {
+    made = made || line.rfind("# Actions of a script", 0) == 0;
+    if (!made || line.rfind("def ", 0) != 0) continue;
+    std::set<std::string>& of = written[line.substr(4, line.find('(') - 4)];
+    for (std::sregex_iterator m(line.begin(), line.end(), argument), end; m != end; ++m)
+      if ((*m)[1] != "more") of.insert((*m)[1]);
+  }
+  for (const ActionLine& a : action_lines())
+    for (const ActionField& f : a.fields)
+      if (const std::string key(f.field.key); key != "from" && key != "with") wanted[a.name].insert(key);
+  EXPECT_EQ(written, wanted) << "renew with library/python/stubs.py, and Python's module built anew";
 }
 
 TEST(Words, AStoryTellsCutsThenCountsTheRest) {
