@@ -182,6 +182,7 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
   springs.finish();
 
   Table solver = section(root, "solver", path);
+  solver.boolean("focus", s.focus);
   solver.integer("iterations_per_step", 1, 1000, [&](int64_t v) { s.iterations_per_step = int(v); });
   solver.real("steps_per_s", s.steps_per_s, 1, 1000);
   solver.real("damping_per_s", s.damping_per_s, 0, 1e4);

@@ -31,7 +31,7 @@
 //   [springs]    suture_N_per_mm, suture_bite_mm (a stitch holds its
 //                edge over so much to either side; 2), hook_N_per_mm,
 //                hook_tip_mm (radius of the skin that a hook holds; 2)
-//   [solver]     iterations_per_step, steps_per_s, damping_per_s, seed,
+//   [solver]     iterations_per_step, steps_per_s, damping_per_s, seed, focus,
 //                integrator = "backward_euler" | "bdf2" (of dynamic scenes)
 //   [tools]      max_depth_mm, default_depth_mm, default_spacing_mm, reach_mm, progressive_cut
 //   [landmarks]  NAME = [x, y]: places on the skin whose displacement is measured
@@ -96,6 +96,7 @@ struct Scene {
   int load_level = 1;          // halvings of the cells around each
 
   int iterations_per_step = 10;
+  bool focus = true;  // in a session: StepSettings::focus
   double steps_per_s = 60;
   double damping_per_s = 0;
   Integrator integrator = Integrator::backward_euler;
