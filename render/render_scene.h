@@ -45,6 +45,7 @@ struct TissueMesh {
   std::vector<Eigen::Vector2f> chart_mm;     // texture coordinate: rest position in the skin's chart
   std::vector<float> depth_mm;               // below the skin at rest
   std::vector<float> rim_mm;                 // of skin: distance at rest to the nearest cut edge, at most kRimReach_mm
+  Part image_part = Part::skin;              // what wears it
   std::vector<Eigen::Vector2f> uv;           // in `image`; empty where there is none
   std::vector<std::array<uint8_t, 4>> rgba;  // own colours (SurfaceTopology::rgba); empty where there are none
   std::vector<Part> part;                    // skin, wall, side, bone, bone_cut or face

@@ -266,7 +266,7 @@ struct Renderer::Impl {
     const bool by_place = o.tension_lines && part == Part::skin && !uploaded->tension_twice.empty();
     const bool lines = by_place || (o.tension_lines && part == Part::skin && tension != Eigen::Vector2f::Zero());
     const bool coloured = !uploaded->rgba.empty() && part != Part::bone_cut && part != Part::tool && !field,
-               image = uploaded->image && part == Part::skin && !field;
+               image = uploaded->image && part == uploaded->image_part && !field;
     const int key = int(part) * 512 + by_place * 256 + image * 128 + coloured * 64 + lines * 32 + o.still * 16 +
                     clear * 8 + o.shadow * 4 + o.fine_skin * 2 + field;
     auto it = programs.find(key);

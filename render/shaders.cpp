@@ -344,8 +344,13 @@ void main() {
   w /= w.x + w.y + w.z + 1e-6;
   vec4 m = w.x * texture(detail_map, v_rest.yz / 83.0) + w.y * texture(detail_map, v_rest.xz / 83.0) + w.z * texture(detail_map, v_rest.xy / 83.0);
   vec3 albedo = mix(vec3(0.67, 0.40, 0.30), vec3(0.76, 0.50, 0.395), smoothstep(0.10, 0.85, m.b));
+#ifdef IMAGE
+  vec3 worn = texture(image_map, vec2(v_uv.x, 1.0 - v_uv.y)).rgb;  // v_rgba: how much of it
+#elif defined(COLOURED)
+  vec3 worn = v_rgba.rgb;
+#endif
 #ifdef COLOURED
-  albedo = mix(albedo, v_rgba.rgb * v_rgba.rgb * (0.94 + 0.09 * m.b), v_rgba.a);
+  albedo = mix(albedo, worn * worn * (0.94 + 0.09 * m.b), v_rgba.a);
 #endif
   albedo *= 0.95 + 0.08 * m.r;
   float shade = lit(v_world, n);

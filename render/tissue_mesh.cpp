@@ -157,6 +157,7 @@ TissueMesh make_tissue_mesh(const SurfaceTopology& topology, const Vec3f& toward
 
   const size_t n = view.tri.size();
   if (view.uv.size() == n) mesh.image = topology.image;
+  mesh.image_part = topology.image_on == Organ::face ? Part::face : Part::skin;
   std::vector<uint32_t> order;
   order.reserve(n);
   std::vector<std::pair<uint64_t, uint32_t>> room;
@@ -189,7 +190,7 @@ TissueMesh make_tissue_mesh(const SurfaceTopology& topology, const Vec3f& toward
       const Eigen::Vector2f uv = mesh.image ? view.uv[t][k] : Eigen::Vector2f(0, 0);
       Split* found = nullptr;
       for (Split& s : splits[v])
-        if (s.part == part && (!mesh.image || part != Part::skin || s.uv == uv) &&
+        if (s.part == part && (!mesh.image || part != mesh.image_part || s.uv == uv) &&
             (!good || !s.has_normal || s.normal.dot(normal) > kCreaseCos)) {
           found = &s;
           break;

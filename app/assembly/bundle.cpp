@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <set>
 
 #include "app/program/temporary_folder.h"
 #include "sim/base/error.h"
@@ -30,16 +31,21 @@ std::vector<Blob> bundle(const Scene& scene, const Calibration& calibration) {
   out.push_back({BlobKind::scene, scene.name.substr(0, 63), scene.text});
   out.push_back({BlobKind::calibration, calibration.name.substr(0, 63), to_toml(calibration)});
   if (!scene.tissues.empty()) out.push_back({BlobKind::tissues, kTissues, scene.tissues});
-  const auto add_mesh = [&](const std::string& path) {
+  std::set<std::string> there;
+  const auto add_file = [&](const std::string& path, bool given) {
+    if (!there.insert(path).second) return;  // a face may wear the surface that its scene names elsewhere
     const fs::path folder = fs::path(scene.path).parent_path();
     const std::string name = fs::path(path).lexically_relative(folder.empty() ? "." : folder).string();
-    if (name.empty() || fs::path(name).is_absolute() || name.size() > 63)
+    if (name.empty() || fs::path(name).is_absolute() || name.size() > 63) {
+      if (!given) return;
       throw InputError(scene.path, 0,
-                       "mesh path \"" + path +
+                       "the path \"" + path +
                            "\" cannot go into a recording; expected a path of at most 63 bytes relative to the scene");
+    }
     out.push_back({BlobKind::mesh, name, read_whole_file(path, kMaxMesh)});
   };
-  for (const NamedFile& f : files_of_flesh(scene)) add_mesh(f.path);
+  for (const NamedFile& f : files_of(scene)) add_file(f.path, f.given);
+  for (const NamedFile& f : looks_of(scene)) add_file(f.path, f.given);
   return out;
 }
 

@@ -46,6 +46,7 @@ StepSettings step_settings(const Scene& scene, bool real_time) {
   if (scene.dynamic) s.dt_s = 1e-3 * ticks_per_solver_step(scene);
   s.damping_per_s = scene.damping_per_s, s.integrator = scene.integrator;
   s.adopt_when_ready = real_time;
+  s.focus = scene.focus;
   return s;
 }
 

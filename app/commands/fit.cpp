@@ -306,6 +306,11 @@ int run_scan(const FitOptions& o) {
         100 * hidden);
   print(r, r.voxel_mm, "spacing");
   std::printf("work        %d iterations, %.2f s of CPU time\n", r.iterations, cpu_s);
+  if (scan.coloured && !scan.tri.empty())
+    std::printf(
+        "colours     the mesh has none; in a scene the face wears those of the scan: [head] face_texture = \"%s\"%s\n",
+        o.volume.c_str(),
+        o.unit == "mm" ? "" : fmt::format(", face_texture_scale_to_mm = {:g}", mm_of(o.unit)).c_str());
   std::vector<std::string> faults = missed(r, r.voxel_mm, "spacing");
   if (r.reached < kReached) {
     const std::string b =

@@ -56,13 +56,13 @@ Json gltf_material(const GltfLook& l) {
           {"doubleSided", true}};
 }
 
-/// The skin of a file whose materials are there looks as the PNG in its buffer view `view`, by the texture coordinates
-/// of the set of that number.
+/// One material of a file whose materials are there looks as the PNG in its buffer view `view`, by the texture
+/// coordinates of the set of that number.
 template <class Json>
-void put_on_skin(Json& file, int view, int set) {
+void put_on(Json& file, GltfMaterial wears, int view, int set) {
   file["images"] = Json::array({{{"bufferView", view}, {"mimeType", "image/png"}}});
   file["textures"] = Json::array({{{"source", 0}}});
-  Json& skin = file["materials"][kSkinLook]["pbrMetallicRoughness"];
+  Json& skin = file["materials"][wears]["pbrMetallicRoughness"];
   skin["baseColorFactor"] = {1, 1, 1, 1};
   skin["baseColorTexture"] = {{"index", 0}, {"texCoord", set}};
 }

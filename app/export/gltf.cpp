@@ -113,7 +113,9 @@ void GltfStory::frame(int series, double t_s, const std::string& key, std::vecto
   s.t_s.push_back(t_s), s.x_mm.push_back(std::move(x_mm));
 }
 
-GltfStory::Pictured GltfStory::pictured(const SurfaceView& view, const std::string& key) {
+GltfStory::Pictured GltfStory::pictured(const SurfaceTopology& topology, const std::string& key) {
+  const SurfaceView& view = topology.view;
+  const int wears = topology.image_on == Organ::face ? kFaceLook : kSkinLook;
   Pictured p;
   p.key = key;
   const size_t n = view.X_mm.size();
@@ -125,7 +127,7 @@ GltfStory::Pictured GltfStory::pictured(const SurfaceView& view, const std::stri
     for (size_t k = 0; k < 3; ++k) {
       const uint32_t v = uint32_t(view.tri[t][int(k)]);
       out[k] = v;
-      if (view.kind[t] != FaceKind::skin) continue;
+      if (gltf_look(topology, t) != wears) continue;
       const auto [u, from_top] = from_above(view.uv[t][k].x(), view.uv[t][k].y());
       const Eigen::Vector2f at(u, from_top);
       if (!has[v]) p.uv[v] = at, has[v] = true;
@@ -151,8 +153,8 @@ void GltfStory::add(double t_s, const std::string& name, const Snapshot& snapsho
   const std::string version = std::to_string(topology.version) + "/" + std::to_string(topology.hash);
   std::vector<Vec3f> x_mm = snapshot.x_mm;
   if (topology.image && view.uv.size() == view.tri.size()) {
-    image_ = topology.image;
-    if (pictured_.key != version) pictured_ = pictured(view, version);
+    image_ = topology.image, on_face_ = topology.image_on == Organ::face;
+    if (pictured_.key != version) pictured_ = pictured(topology, version);
     for (const uint32_t v : pictured_.more) x_mm.push_back(snapshot.x_mm[v]);
   }
   const bool on_it = pictured_.key == version;
@@ -274,7 +276,7 @@ std::string GltfStory::bytes(const std::string& title) const {
              {"accessors", buffer.accessors},
              {"bufferViews", buffer.views},
              {"buffers", GltfJson::array({{{"byteLength", buffer.bytes.size()}}})}};
-  if (picture >= 0) put_on_skin(j, picture, 0);
+  if (picture >= 0) put_on(j, on_face_ ? kFaceLook : kSkinLook, picture, 0);
   if (!channels.empty())
     j["animations"] = GltfJson::array({{{"name", "operation"}, {"channels", channels}, {"samplers", samplers}}});
   return glb_bytes(j.dump(-1, ' ', false, GltfJson::error_handler_t::replace), buffer.bytes);

@@ -59,11 +59,12 @@ class GltfStory {
     std::vector<std::array<uint32_t, 3>> tri;  // in all of these
     std::vector<Eigen::Vector2f> uv;           // from above
   };
-  static Pictured pictured(const SurfaceView& view, const std::string& key);
+  static Pictured pictured(const SurfaceTopology& topology, const std::string& key);
 
   std::vector<Shape> shapes_;
   Pictured pictured_;
   std::shared_ptr<const SkinImage> image_;
+  bool on_face_ = false;  // it is a face's
   std::vector<std::shared_ptr<const Collider>> colliders_;
   int last_[3] = {-1, -1, -1};  // of each series: the shape that is there now
   std::vector<std::pair<double, std::string>> moments_;

@@ -473,7 +473,7 @@ std::string PageModel::bytes(const std::string& title, const Camera& camera, dou
              {"accessors", w.buffer.accessors},
              {"bufferViews", w.buffer.views},
              {"buffers", PageJson::array({{{"byteLength", w.buffer.bytes.size()}}})}};
-  if (picture >= 0) put_on_skin(j, picture, 1);
+  if (picture >= 0) put_on(j, last_shown.topology->image_on == Organ::face ? kFaceLook : kSkinLook, picture, 1);
   if (!w.channels.empty())
     j["animations"] = PageJson::array({{{"name", "operation"}, {"channels", w.channels}, {"samplers", w.samplers}}});
   std::string out = glb_bytes(j.dump(-1, ' ', false, PageJson::error_handler_t::replace), w.buffer.bytes);

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "app/head/cache.h"
+#include "app/head/face_look.h"
 #include "sim/base/error.h"
 #include "sim/imaging/anatomical/skin_colour.h"
 #include "sim/imaging/synthetic/synthetic_head.h"
@@ -30,8 +31,8 @@ void add_synthetic(const HeadScene& h, HeadParts& parts, Workers& workers) {
     if (h.face || !on_face(name)) parts.landmarks.push_back({name, at, on_face(name)});
 }
 
-/// A mesh from a file with its axes right, forwards and up.
-simplex::Mesh mesh_of(const Scene& scene, const std::string& file) {
+/// A mesh from a file with its axes right, forwards and up. `axes`: those of the file.
+simplex::Mesh mesh_of(const Scene& scene, const std::string& file, simplex::Axes* axes = nullptr) {
   using simplex::Axes;
   simplex::Mesh m = simplex::load_mesh(file);
   const Axes said = scene.head->axes;
@@ -39,6 +40,7 @@ simplex::Mesh mesh_of(const Scene& scene, const std::string& file) {
     throw InputError(scene.path, 0,
                      "head.axes says otherwise than " + file + " which way its axes point; expected no head.axes");
   if (m.axes == Axes::unsaid) m.axes = said;
+  if (axes) *axes = m.axes;
   simplex::turn_to_head(m);
   return m;
 }
@@ -49,13 +51,15 @@ HeadParts head_parts(const Scene& scene, Workers& workers) {
   const HeadScene& h = *scene.head;
   HeadParts parts;
   parts.face_iterations = h.iterations_per_step;
+  simplex::Axes of_face = simplex::Axes::unsaid;
   if (h.source != HeadScene::Source::files) {
     add_synthetic(h, parts, workers);
   } else {
     for (const std::string& f : h.bone_files)
       parts.bones.push_back({std::filesystem::path(f).stem().string(), mesh_of(scene, f), false});
-    if (h.face) parts.face = mesh_of(scene, h.face_file);
+    if (h.face) parts.face = mesh_of(scene, h.face_file, &of_face);
   }
+  parts.texture = face_look(scene, of_face);
   if (h.source == HeadScene::Source::anatomical)
     parts.colour = [off = h.offset_mm](const Vec3& X, Organ organ) {
       return organ == Organ::face ? anatomical::colour_on_face(X - off) : anatomical::colour_on_bone(X - off);

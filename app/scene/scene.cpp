@@ -17,12 +17,11 @@
 #include "app/scene/scene_layers.h"
 #include "app/scene/scene_loads.h"
 #include "app/scene/scene_regions.h"
+#include "app/scene/surface_picture.h"
 #include "app/scene/toml_table.h"
-#include "render/image.h"
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/base/whole_file.h"
-#include "sim/body/obj_material.h"
 
 namespace limberg {
 namespace {
@@ -183,6 +182,7 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
   springs.finish();
 
   Table solver = section(root, "solver", path);
+  solver.boolean("focus", s.focus);
   solver.integer("iterations_per_step", 1, 1000, [&](int64_t v) { s.iterations_per_step = int(v); });
   solver.real("steps_per_s", s.steps_per_s, 1, 1000);
   solver.real("damping_per_s", s.damping_per_s, 0, 1e4);
@@ -238,13 +238,7 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
   Hash64 h;
   h.add(text);
   if (!s.tissues.empty()) h.add(s.tissues);
-  for (const NamedFile& f : files_of_flesh(s)) h.add(read_whole_file(f.path, ObjLimits::file_bytes, f.what));
-  if (s.head) {
-    for (const std::string& f : s.head->bone_files)
-      h.add(read_whole_file(f, ObjLimits::file_bytes, "a simplex mesh that the scene names"));
-    if (!s.head->face_file.empty())
-      h.add(read_whole_file(s.head->face_file, ObjLimits::file_bytes, "a simplex mesh that the scene names"));
-  }
+  for (const NamedFile& f : files_of(s)) h.add(read_whole_file(f.path, ObjLimits::file_bytes, f.what));
   s.hash = h.value();
   return s;
 }
@@ -254,7 +248,7 @@ bool differs_in_words_only(const Scene& scene, const std::string& text, uint64_t
          parse_scene(text, scene.path).hash == hash;  // its files are those of this one, too
 }
 
-std::vector<NamedFile> files_of_flesh(const Scene& s) {
+std::vector<NamedFile> files_of(const Scene& s) {
   std::vector<NamedFile> out;
   const auto add = [&](const std::string& path, const char* what) {
     if (!path.empty()) out.push_back({path, what});
@@ -265,6 +259,30 @@ std::vector<NamedFile> files_of_flesh(const Scene& s) {
   add(s.tension.file, "lines of tension that the scene names");
   for (const ThicknessSpec& t : s.thickness)
     for (const std::string& file : {t.file, t.down_to}) add(file, "thicknesses that the scene names");
+  if (s.head) {
+    for (const std::string& f : s.head->bone_files) add(f, "a simplex mesh that the scene names");
+    add(s.head->face_file, "a simplex mesh that the scene names");
+  }
+  return out;
+}
+
+std::vector<NamedFile> looks_of(const Scene& s) {
+  std::vector<NamedFile> out;
+  const auto add = [&](const std::string& path, const char* what) {
+    if (!path.empty()) out.push_back({path, what});
+  };
+  const auto picture = [&](const std::string& said, const std::string& surface) {
+    const SurfacePicture of = said.empty() ? picture_of_surface(surface) : SurfacePicture{{}, said};
+    if (!of.materials.empty()) out.push_back({of.materials, "the material file of a surface", false});
+    if (!of.picture.empty()) out.push_back({of.picture, "the picture on a surface", !said.empty()});
+  };
+  if (s.flesh && s.source == Scene::Source::obj) picture(s.texture, s.obj.path);
+  if (s.head && !s.head->texture_file.empty()) {
+    add(s.head->texture_file, "the surface that a face's colours are of");
+    picture(s.head->picture_file, s.head->texture_file);
+  }
+  if (s.head)
+    for (const std::string& f : s.head->normal_files) add(f, "a normal skull");
   return out;
 }
 
@@ -291,38 +309,11 @@ std::string find_scene(const std::string& name_or_path, const std::vector<std::s
                    "no such scene; expected a scene file" + (list.empty() ? "" : " or one of: " + list));
 }
 
-namespace {
-
-constexpr size_t kMostMaterial = size_t(1) << 20;
-
-/// The picture laid on a surface: what the scene says, else a PNG or JPEG that its material file names, if it is there.
+// What the scene says, else a PNG or JPEG that its material file names, if it is there.
 std::string picture_on(const Scene& scene) {
   if (scene.source != Scene::Source::obj || !scene.texture.empty()) return scene.texture;
-  std::string kind = fs::path(scene.obj.path).extension().string();
-  if (kind != ".obj" && kind != ".OBJ") return {};
-  const std::string materials =
-      materials_of_obj(read_whole_file(scene.obj.path, ObjLimits::file_bytes, "an OBJ surface"));
-  std::error_code ec;
-  const fs::path beside = fs::path(scene.obj.path).parent_path();
-  if (materials.empty() || !fs::is_regular_file(beside / materials, ec)) return {};
-  const std::string name = picture_of_material(
-      read_whole_file((beside / materials).string(), kMostMaterial, "the material file of a surface"));
-  const fs::path picture = beside / name;
-  std::string ending = picture.extension().string();
-  for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
-  const bool taken = ending == ".png" || ending == ".jpg" || ending == ".jpeg";
-  if (name.empty() || !taken || !fs::is_regular_file(picture, ec)) return {};
-  return picture.lexically_normal().string();
+  return picture_of_surface(scene.obj.path).picture;
 }
-
-std::shared_ptr<const SkinImage> skin_image(const std::string& file) {
-  Image image = read_picture(file);
-  auto out = std::make_shared<SkinImage>();
-  out->width = image.width, out->height = image.height, out->rgb = std::move(image.rgb);
-  return out;
-}
-
-}  // namespace
 
 std::shared_ptr<const Body> build_body(const Scene& scene, SurfaceReport* report) {
   if (scene.source == Scene::Source::obj) {

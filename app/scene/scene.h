@@ -31,7 +31,7 @@
 //   [springs]    suture_N_per_mm, suture_bite_mm (a stitch holds its
 //                edge over so much to either side; 2), hook_N_per_mm,
 //                hook_tip_mm (radius of the skin that a hook holds; 2)
-//   [solver]     iterations_per_step, steps_per_s, damping_per_s, seed,
+//   [solver]     iterations_per_step, steps_per_s, damping_per_s, seed, focus,
 //                integrator = "backward_euler" | "bdf2" (of dynamic scenes)
 //   [tools]      max_depth_mm, default_depth_mm, default_spacing_mm, reach_mm, progressive_cut
 //   [landmarks]  NAME = [x, y]: places on the skin whose displacement is measured
@@ -96,6 +96,7 @@ struct Scene {
   int load_level = 1;          // halvings of the cells around each
 
   int iterations_per_step = 10;
+  bool focus = true;  // in a session: StepSettings::focus
   double steps_per_s = 60;
   double damping_per_s = 0;
   Integrator integrator = Integrator::backward_euler;
@@ -121,13 +122,19 @@ struct Scene {
   const std::vector<Layer>& layers() const { return source == Source::block ? block.layers : obj.layers; }
 };
 
-/// The surfaces of its flesh that a scene names, thicknesses and lines of tension, in order: what goes into its hash
-/// and its recordings.
+/// The surfaces that a scene names, thicknesses and lines of tension, in order: what goes into its hash and its
+/// recordings.
 struct NamedFile {
   std::string path;
-  const char* what;  // in messages
+  const char* what;   // in messages
+  bool given = true;  // by the scene itself; else by a file that it names, and it may be left out
 };
-std::vector<NamedFile> files_of_flesh(const Scene& scene);
+std::vector<NamedFile> files_of(const Scene& scene);
+/// Files on which only depends what is seen, or compared with: pictures, the surface of a face's colours, a normal
+/// skull. They go into its recordings and not into its hash. InputError: a surface cannot be read.
+std::vector<NamedFile> looks_of(const Scene& scene);
+/// The picture on the skin of its body; empty: there is none.
+std::string picture_on(const Scene& scene);
 /// Throws InputError (missing file, folder, unreadable, empty, or as parse_scene).
 Scene load_scene(const std::string& path);
 /// `path` names the scene in messages; mesh files are looked for beside it. Reads the mesh file's bytes for the hash.

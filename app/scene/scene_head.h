@@ -11,7 +11,10 @@
 //                    relative to the scene file, the first of them fixed
 //                    unless "fixed" says otherwise; face = "face.txt"; axes = "lps" | "head" of meshes that do not say
 //                    which way theirs point (a fitted one does): left, posterior, superior, or right, forwards, up
-//                    both: offset_mm = [x, y, z], by which the head is shifted (to where the skin of a [body] lies),
+//                    all: face_texture = "scan.obj", a surface that lies where the face does, in the frame of its file:
+//                    with texture coordinates and a picture (its material's, or face_picture = "FILE"), or (PLY, OBJ)
+//                    colours of its vertices; face_texture_scale_to_mm (sim/skull/head/face_texture.h)
+//                    offset_mm = [x, y, z], by which the head is shifted (to where the skin of a [body] lies),
 //                    fixed = ["cranium", ...] names of bones that do not
 //                    move (of a file: its stem), face = true | false,
 //                    iterations_per_step of the face, show_face = "solid" | "clear" | "hidden" at the beginning,
@@ -46,6 +49,8 @@ struct HeadScene {
          face_edge_mm = 5;
   std::vector<std::string> bone_files;  // resolved against the scene's folder
   std::string face_file;
+  std::string texture_file, picture_file;  // how the face looks; neither patient nor hash depend on them
+  double texture_scale_to_mm = 1;
   std::vector<std::string> normal_files;  // none: the built-in normal skull. Neither patient nor hash depend on them
   simplex::Axes axes = simplex::Axes::unsaid;  // of meshes from files that do not say it
   std::vector<std::string> fixed{"cranium"};

@@ -216,6 +216,14 @@ std::optional<HeadScene> read_head(const toml::table& root, const std::string& f
   if (t.has("face") && !table.get("face")->is_string()) t.boolean("face", h.face);
   if (h.source == HeadScene::Source::files && h.face && h.face_file.empty())
     t.fail("face", "is true without a file; expected face = \"face.txt\"");
+  if (t.has("face_texture")) {
+    if (!h.face) t.fail("face_texture", "without a face; expected a head with one");
+    t.path("face_texture", h.texture_file);
+  }
+  for (const char* key : {"face_picture", "face_texture_scale_to_mm"})
+    if (t.has(key) && h.texture_file.empty()) t.fail(key, "without face_texture; expected a surface that wears it");
+  t.path("face_picture", h.picture_file);
+  t.real("face_texture_scale_to_mm", h.texture_scale_to_mm, 0, 1e6, true);
   if (t.has("fixed")) h.fixed = texts(t, table, "fixed", "fixed = [\"cranium\"]");
   t.integer("iterations_per_step", 1, 1000, [&](int64_t v) { h.iterations_per_step = int(v); });
   if (t.has("show_face")) {

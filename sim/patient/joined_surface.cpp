@@ -37,6 +37,18 @@ std::shared_ptr<const SurfaceTopology> joined(const SurfaceTopology& skin, const
     both->organ.push_back(head.organ[t]);
     both->object.push_back(head.object[t]);
   }
+  if (!both->image) both->image = head.image, both->image_on = head.image_on;  // a scene has one (app/scene)
+  if (both->image) {
+    both->view.uv.resize(skin.view.tri.size());
+    for (size_t t = 0; t < head.view.tri.size(); ++t)
+      both->view.uv.push_back(head.view.uv.size() == head.view.tri.size() ? head.view.uv[t]
+                                                                          : std::array<Eigen::Vector2f, 3>{});
+  }
+  if (!skin.rgba.empty() || !head.rgba.empty()) {
+    both->rgba.resize(skin.view.X_mm.size());
+    both->rgba.insert(both->rgba.end(), head.rgba.begin(), head.rgba.end());
+    both->rgba.resize(both->view.X_mm.size());
+  }
   for (const auto& [a, b] : head.strand) both->strand.push_back({a + base, b + base});
   both->landmark = head.landmark;
   return both;

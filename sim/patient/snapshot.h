@@ -29,6 +29,7 @@ struct SurfaceTopology {
   Lazy<SharedArray<float>> layers_mm;    // the same as the layers of the body count it (point_depths.h)
   std::shared_ptr<const Body> body;
   std::shared_ptr<const SkinImage> image;  // on the skin, by view.uv; null: there is none
+  Organ image_on = Organ::flesh;           // whose skin: of flesh, or a face
   // Of a scene with a head; empty where there is none. Bone and face are of the kind `free` in the view.
   SharedArray<Organ> organ;     // per view triangle; empty: all of it is flesh
   SharedArray<int32_t> object;  // per view triangle: of bone, the number of its fragment; else -1

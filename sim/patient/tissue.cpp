@@ -5,6 +5,7 @@
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/cutting/strokes/blade_build.h"
+#include "sim/fem/solver/focus_solver.h"
 #include "sim/fem/solver/region_solver.h"
 #include "sim/lattice/embedding.h"
 #include "sim/lattice/grid_fit.h"
@@ -50,7 +51,7 @@ Tissue::Tissue(WorldSpec spec, Workers& workers)
   initial_volume_mm3_ = arrangement_->volume_mm3();
   if (!spec_.can_cut) arrangement_.reset();
   if (arrangement_) arrangement_->set_fault(spec_.fault);
-  solver_ = spec_.region_mm > 0 ? make_region_solver(workers) : make_solver(workers);
+  solver_ = spec_.region_mm > 0 ? make_region_solver(workers) : make_focus_solver(workers);
   solver_->set_gravity(spec_.gravity_m_s2);
   solver_->set_model(version_.model, {});
 }

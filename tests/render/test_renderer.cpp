@@ -139,6 +139,29 @@ TEST_F(Rendered, ThePictureOfASkinLiesWhereItsCoordinatesSay) {
   EXPECT_GT(skin.at(int(p.x()), int(p.y())).r, skin.at(int(p.x()), int(p.y())).b);
 }
 
+TEST_F(Rendered, AFaceWearsAPictureWhereItsColourSaysHowMuch) {
+  Snapshot s = testing::sample_head();
+  auto top = std::make_shared<SurfaceTopology>(*s.topology);
+  top->version += 1;
+  auto image = std::make_shared<SkinImage>();
+  image->width = image->height = 4;
+  for (int i = 0; i < 16; ++i) image->rgb.insert(image->rgb.end(), {30, 60, 230});
+  top->image = image, top->image_on = Organ::face;
+  // All of it on one side (x > 0), none on the other.
+  for (size_t v = 0; v < top->view.X_mm.size(); ++v)
+    top->rgba.push_back({0, 0, 0, uint8_t(std::as_const(top->view.X_mm)[v].x() > 0 ? 255 : 0)});
+  s.topology = top;
+  camera = look_at_ball(Vec3f::Zero(), 90, Vec3f(0, -1, 0), Vec3f::UnitZ(), 25, 320.0 / 240);
+  const Image im = draw(s);
+  const auto at = [&](float x) {
+    const Vec3f p = view().to_pixel(Vec3f(x, -80, 10), options.width, options.height);
+    return im.at(int(p.x()), int(p.y()));
+  };
+  const Rgb8 worn = at(20), skin = at(-20);
+  EXPECT_GT(worn.b, 1.5 * worn.r);
+  EXPECT_GT(skin.r, skin.b);
+}
+
 TEST_F(Rendered, AFaceHasItsOwnColours) {
   Snapshot s = testing::sample_head();
   auto top = std::make_shared<SurfaceTopology>(*s.topology);

@@ -102,10 +102,11 @@ function readModel(file) {
   });
   for (const frame of told.frames)
     for (const s of frame.stitches || []) s.path = evenly(s.path, 7);
-  return {told, shapes, still, pictured: Boolean(file.json.images)};
+  const worn = file.json.materials.find((m) => m.pbrMetallicRoughness && m.pbrMetallicRoughness.baseColorTexture);
+  return {told, shapes, still, pictured: worn ? worn.name : null};  // the part that wears the picture
 }
 
-/// What lies on the skin, in sizes of powers of two, which WebGL 1 can make smaller pictures of.
+/// What lies on the skin or a face, in sizes of powers of two, which WebGL 1 can make smaller pictures of.
 async function pictureOf(file) {
   const {bufferView, mimeType} = file.json.images[0];
   const as = await createImageBitmap(new Blob([viewOf(file, bufferView)], {type: mimeType}));
@@ -295,7 +296,12 @@ const kParts = {
   face: {
     light: 'lit(n, vec3(0.42, 0.22, 0.15), 0.27)',
     looks: `
-  vec3 albedo = mix(vec3(0.72, 0.46, 0.36), v_rgba.rgb * v_rgba.rgb, v_rgba.a);
+#ifdef PICTURE
+  vec3 worn = texture2D(picture, v_at_picture).rgb;
+#else
+  vec3 worn = v_rgba.rgb;
+#endif
+  vec3 albedo = mix(vec3(0.72, 0.46, 0.36), worn * worn, v_rgba.a);
   gl_FragColor = vec4(to_screen(albedo * v_light + 0.08 * v_shine), mix(1.0, v_alpha, clear));`,
     field: 'gl_FragColor = vec4(to_screen(to_linear(in_colours()) * v_light.x), mix(1.0, 0.55, clear));'
   },
@@ -309,7 +315,7 @@ function look(part, uniforms, field, coloured, pictured) {
   const p = kParts[part], defines = {LIGHT: p.light};
   if (field) defines.FIELD = 1;
   if (coloured) defines.COLOURED = 1;
-  if (pictured && part === 'skin') defines.PICTURE = 1;
+  if (pictured === part) defines.PICTURE = 1;
   return new THREE.ShaderMaterial({
     uniforms, defines, vertexShader: kVertex, fragmentShader: kColours + 'void main() {\n' + (field ? p.field : p.looks) + '\n}',
     extensions: {derivatives: true}, side: THREE.DoubleSide

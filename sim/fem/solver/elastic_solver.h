@@ -24,6 +24,7 @@ struct StepSettings {
   double damping_per_s = 0;  // mass-proportional, dynamic steps only
   // What the iterations before have found is forgotten: how this step goes on depends on the state and path() alone.
   bool afresh = false;
+  bool focus = false;  // only what is near to what a hand carries need be solved for while it is carried (FocusSolver)
   // > 0: stop after the iterate that has gone farther than this from the start, slivers' nodes aside
   double most_move_mm = 0;
   double budget_ms = 0;               // 0 = none. Not used by the solver itself (it reads no clock): see should_stop

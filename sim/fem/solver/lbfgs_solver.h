@@ -101,6 +101,9 @@ class LbfgsSolver final : public ElasticSolver {
   std::string describe() const override;
   const FemModel& model() const override { return *model_; }
   const Preconditioner& metric() const { return metric_.first(); }
+  /// The largest move that the metric alone answers such forces with: what they would do, to first order. Held
+  /// components take none. Only after a step.
+  double first_move_mm(std::span<const SupportForce> forces_mN);
 
  private:
   struct Value {

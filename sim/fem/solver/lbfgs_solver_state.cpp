@@ -159,6 +159,18 @@ std::vector<SupportForce> LbfgsSolver::support_forces_mN() const {
   return out;
 }
 
+double LbfgsSolver::first_move_mm(std::span<const SupportForce> forces) {
+  NodeArray r(u_.size()), z(u_.size());
+  for (const SupportForce& f : forces) {
+    Node4& at = r[size_t(f.node)];
+    at.x += float(f.force_mN[0]), at.y += float(f.force_mN[1]), at.z += float(f.force_mN[2]);
+  }
+  give_to_masters(model_->hanging, r);
+  drop_held(r);
+  metric_.apply(r, z);
+  return engine_.max_node(z);
+}
+
 void LbfgsSolver::cell_J(std::vector<float>& J) const {
   J.resize(model_->cells.size());
   const SharedArray<HexCell>& cells = model_->cells;

@@ -54,6 +54,12 @@ class RegionSolver final : public ElasticSolver {
   const FemModel& model() const override { return *whole_; }
   /// What the minimiser sees.
   const FemModel& present() const { return inner_->model(); }
+  /// Per node and cell of that: its number in the whole; -1: an anchor.
+  std::span<const int32_t> nodes() const { return node_at_; }
+  std::span<const int32_t> cells() const { return cell_at_; }
+  /// Whether a node or cell of the whole is there.
+  bool holds_node(int32_t node) const { return place_[size_t(node)] >= 0; }
+  bool holds_cell(int32_t cell) const { return cell_place_[size_t(cell)] >= 0; }
 
  private:
   EmbeddedPoint find(const EmbeddedPoint& p) const;

@@ -62,6 +62,7 @@ class Reader {
 
   void mesh(ObjText text) {
     out_.x_mm = std::move(text.v);
+    out_.coloured = !text.rgb.empty() || (!is_ply(s_) && !is_stl_name(name_) && s_.find("\nvt ") != s_.npos);
     for (const ObjText::Face& f : text.face)
       for (size_t k = f.first + 1; k + 1 < f.first + f.corners; ++k)
         out_.tri.push_back({text.corner[f.first].v, text.corner[k].v, text.corner[k + 1].v});

@@ -15,7 +15,8 @@ namespace limberg {
 
 struct Surface {
   std::vector<Vec3> x_mm;
-  std::vector<Tri> tri;  // empty: a cloud of points
+  std::vector<Tri> tri;   // empty: a cloud of points
+  bool coloured = false;  // its file has colours of vertices or texture coordinates, which are not read here
 };
 
 /// All of `s` after what `to` has.

@@ -58,7 +58,8 @@ Head::Head(HeadParts parts, Workers& workers)
       face_(std::move(parts.face), workers, with_muscles(std::move(parts.muscles))),
       face_iterations_(parts.face_iterations),
       state_{std::move(parts.landmarks), {}},
-      colour_(std::move(parts.colour)) {
+      colour_(std::move(parts.colour)),
+      texture_(std::move(parts.texture)) {
   has_face_ = face_.face().vertices() > 0;
   for (HeadLandmark& l : state_.landmarks) {
     if (l.on_face && !has_face_)
@@ -497,7 +498,7 @@ void Head::topology_changed() {
   for (const HeadLandmark& l : state_.landmarks) names.push_back(l.name);
   simplex::Mesh face = face_.face();
   face.x_mm = face_.rest_mm();
-  view_.build(face, bones_, face_.tissues(), names, colour_);
+  view_.build(face, bones_, face_.tissues(), names, colour_, texture_.get());
 }
 
 void Head::fill(Snapshot& s) const {

@@ -40,10 +40,11 @@ struct HeadLandmark {
 /// What a head is made of; from the synthetic head or from files.
 struct HeadParts {
   std::vector<bone::NamedMesh> bones;
-  simplex::Mesh face;                   // no vertices: there is none
-  std::vector<HeadLandmark> landmarks;  // name, X_mm, on_face
-  SurfaceColour colour;                 // may be empty
-  std::vector<ConnectTissue> tissues;   // connected in this order; one that cannot be is an InputError
+  simplex::Mesh face;                          // no vertices: there is none
+  std::vector<HeadLandmark> landmarks;         // name, X_mm, on_face
+  SurfaceColour colour;                        // may be empty
+  std::shared_ptr<const FaceTexture> texture;  // of the face, instead; may be null
+  std::vector<ConnectTissue> tissues;          // connected in this order; one that cannot be is an InputError
   std::vector<simplex::FaceBundle> muscles;
   int face_iterations = 12;  // of one step
 };
@@ -183,6 +184,7 @@ class Head {
   SkullBeside beside_ = SkullBeside::off;
   HeadView view_;
   SurfaceColour colour_;
+  std::shared_ptr<const FaceTexture> texture_;
   struct Grabbed {
     int32_t fragment = -1;  // none
     Eigen::Isometry3d at = Eigen::Isometry3d::Identity();

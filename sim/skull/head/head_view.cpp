@@ -33,7 +33,7 @@ void add_fans(SurfaceTopology& top, const simplex::Mesh& mesh, std::vector<int32
 
 void HeadView::build(const simplex::Mesh& face, const bone::Bones& bones,
                      const std::vector<const simplex::Tissue*>& tissue, const std::vector<std::string>& landmarks,
-                     const SurfaceColour& colour) {
+                     const SurfaceColour& colour, const FaceTexture* texture) {
   auto top = std::make_shared<SurfaceTopology>();
   top->version = ++version_;
   add_fans(*top, face, face_middle_, [](int32_t) { return std::pair(Organ::face, int32_t(-1)); });
@@ -67,6 +67,7 @@ void HeadView::build(const simplex::Mesh& face, const bone::Bones& bones,
       top->rgba[v] = colour(made.view.X_mm[v], v < face_vertices_ ? Organ::face : cut ? Organ::bone_cut : Organ::bone);
     }
   }
+  if (texture) put_on(*top, face, *texture);
   tissue_vertices_ = 0;
   for (const simplex::Tissue* t : tissue) {
     const auto base = int32_t(top->view.X_mm.size());
@@ -77,7 +78,7 @@ void HeadView::build(const simplex::Mesh& face, const bone::Bones& bones,
     }
     tissue_vertices_ += size_t(t->vertices());
   }
-  if (colour) top->rgba.resize(top->view.X_mm.size());  // tissue is strands, and shows none
+  if (!top->rgba.empty()) top->rgba.resize(top->view.X_mm.size());  // tissue is strands, and shows none
   top->landmark = landmarks;
   Hash64 h;
   h.add(simplex::topology_hash(face)), h.add(simplex::topology_hash(mesh));
@@ -85,6 +86,29 @@ void HeadView::build(const simplex::Mesh& face, const bone::Bones& bones,
   for (const std::string& l : landmarks) h.add(l);
   top->hash = h.value();
   topology_ = std::move(top);
+}
+
+void HeadView::put_on(SurfaceTopology& top, const simplex::Mesh& face, const FaceTexture& texture) {
+  const SharedArray<Vec3>& X = std::as_const(top.view.X_mm);
+  const uint64_t mesh = simplex::topology_hash(face);
+  if (worn_.face != mesh || worn_.rgba.size() != face_vertices_) {
+    worn_ = {mesh, {}, {}};
+    worn_.rgba.resize(face_vertices_);
+    std::vector<bool> used(face_vertices_);
+    for (size_t t = 0; t < top.view.tri.size() && std::as_const(top.organ)[t] == Organ::face; ++t) {
+      const Tri& c = std::as_const(top.view.tri)[t];
+      for (const int32_t v : c) used[size_t(v)] = true;
+      if (texture.image()) worn_.uv.push_back(texture.uv({X[size_t(c[0])], X[size_t(c[1])], X[size_t(c[2])]}));
+    }
+    for (size_t v = 0; v < face_vertices_; ++v)
+      if (used[v]) worn_.rgba[v] = texture.colour(X[v]);
+  }
+  top.rgba.resize(X.size());
+  std::copy(worn_.rgba.begin(), worn_.rgba.end(), top.rgba.begin());
+  if (!texture.image()) return;
+  top.image = texture.image(), top.image_on = Organ::face;
+  for (const auto& corners : worn_.uv) top.view.uv.push_back(corners);
+  while (top.view.uv.size() < top.view.tri.size()) top.view.uv.push_back({});  // bone wears none
 }
 
 void HeadView::places(const simplex::Mesh& face, const bone::Bones& bones,

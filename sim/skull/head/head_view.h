@@ -13,6 +13,7 @@
 
 #include "sim/patient/snapshot.h"
 #include "sim/skull/bone/bones.h"
+#include "sim/skull/head/face_texture.h"
 #include "sim/skull/simplex/tissue.h"
 
 namespace limberg {
@@ -22,10 +23,10 @@ using SurfaceColour = std::function<std::array<uint8_t, 4>(const Vec3& X_mm, Org
 
 class HeadView {
  public:
-  /// `face` as it was at first. Makes a new version of the topology.
+  /// `face` as it was at first. Makes a new version of the topology. `texture`: of the face, over its colour; may be null.
   void build(const simplex::Mesh& face_at_rest, const bone::Bones& bones,
              const std::vector<const simplex::Tissue*>& tissue, const std::vector<std::string>& landmarks,
-             const SurfaceColour& colour = {});
+             const SurfaceColour& colour = {}, const FaceTexture* texture = nullptr);
   std::shared_ptr<const SurfaceTopology> topology() const { return topology_; }
 
   /// Where every vertex is now.
@@ -38,7 +39,16 @@ class HeadView {
   void moved(const simplex::Mesh& face, const std::vector<Vec3f>& x_mm, std::vector<float>& moved_mm) const;
 
  private:
+  /// How the face looks, which changes with its mesh only: a saw's work does not pay for it.
+  struct Worn {
+    uint64_t face = 0;                               // topology_hash() of the mesh that it is for
+    std::vector<std::array<Eigen::Vector2f, 3>> uv;  // per triangle of the face
+    std::vector<std::array<uint8_t, 4>> rgba;        // per vertex
+  };
+  void put_on(SurfaceTopology& top, const simplex::Mesh& face, const FaceTexture& texture);
+
   std::shared_ptr<SurfaceTopology> topology_;
+  Worn worn_;
   std::vector<int32_t> face_middle_, bone_middle_;  // faces of the meshes, per middle
   std::vector<Vec3> bone_middle_mm_;                // at rest
   std::vector<int32_t> fragment_;  // per vertex of the bones' mesh, then per middle: index into fragments()
