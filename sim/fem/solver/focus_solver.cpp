@@ -18,9 +18,12 @@ namespace {
 
 constexpr int kIdle = 12;         // steps without a moved target, a fifth of a second, after which nothing is carried
 constexpr int kLook = 8;          // steps from one look at the rim to the next: as long as a part of a millimetre lasts
+constexpr int kSoon = 32;         // steps: a part that does not last so long was too small
+constexpr double kAmple = 0.25;   // of the budget: what uses less reached too far
 constexpr double kFarther = 1.5;  // reaches the next part, where the budget was not kept
 constexpr int kWait = 60;         // steps, where a part was too large
 constexpr double kMoves = 0.25;   // of the largest move: what moves so far belongs to what is carried
+constexpr double kBeside_mm = 5;  // around every contact and every spring
 constexpr double kBin_mm = 5;     // the reach is counted in boxes, at least so large
 constexpr int kMostBins = 128;    // along an axis
 constexpr double kStillMoves_mm = 1e-3;
@@ -117,9 +120,13 @@ void FocusSolver::set_springs(std::span<const Spring> springs) {
   std::sort(sorted.begin(), sorted.end(), [](const Spring& a, const Spring& b) { return a.id < b.id; });
   const bool same = std::equal(sorted.begin(), sorted.end(), springs_.begin(), springs_.end(), held_alike);
   if (!same) leave();
+  if (!same) carried_.clear();
   for (size_t i = 0; same && i < sorted.size(); ++i)
-    if (sorted[i].target_mm != springs_[i].target_mm || sorted[i].thread_mm != springs_[i].thread_mm)
+    if (sorted[i].target_mm != springs_[i].target_mm || sorted[i].thread_mm != springs_[i].thread_mm) {
+      if (unmoved_steps_ > kIdle) carried_.clear();
       unmoved_steps_ = 0;
+      carried_.insert(sorted[i].id);
+    }
   if (on_)
     near_->set_springs(sorted);
   else
@@ -171,13 +178,13 @@ std::vector<uint8_t> FocusSolver::outside() const {
   const FemModel& m = whole_->model();
   Bins bins(m.X_mm);
   const auto mark = [&](int32_t node) { bins.mark(m.X_mm[size_t(node)]); };
-  for (const Spring& s : springs_) {
-    if (s.lasting) continue;  // what holds a surface softly lies everywhere
+  const auto mark_ends = [&](const Spring& s) {
     for (const HeldPlace& p : s.held_a()) nodes_of(p, mark);
     if (!s.to_world)
       for (const HeldPlace& p : s.held_b()) nodes_of(p, mark);
-  }
-  for (const Contact& c : contacts_) nodes_of(c.a, mark), nodes_of(c.b, mark);
+  };
+  for (const Spring& s : springs_)
+    if (carried_.count(s.id)) mark_ends(s);
   const std::span<const Vec3f> u = whole_->displacement_mm();
   if (calm_.size() == u.size()) {
     float most = 0;
@@ -186,6 +193,11 @@ std::vector<uint8_t> FocusSolver::outside() const {
       if ((u[i] - calm_[i]).norm() > kMoves * most) mark(int32_t(i));
   }
   bins.grow(reach_mm_);
+  // Whatever holds or presses is there with both its ends. What holds a surface softly lies everywhere.
+  for (const Spring& s : springs_)
+    if (!s.lasting) mark_ends(s);
+  for (const Contact& c : contacts_) nodes_of(c.a, mark), nodes_of(c.b, mark);
+  bins.grow(kBeside_mm);
   std::vector<uint8_t> out(m.X_mm.size());
   for (size_t i = 0; i < out.size(); ++i) out[i] = !bins.is_marked(m.X_mm[i]);
   return out;
@@ -197,8 +209,9 @@ bool FocusSolver::covers(const EmbeddedPoint& p) const {
   return in;
 }
 
-void FocusSolver::enter() {
+void FocusSolver::enter(const StepSettings& s) {
   if (wait_steps_ > 0) return;
+  if (rim_most_mm_ < kAmple * set_.budget_mm) reach_mm_ = std::max(set_.reach_mm, reach_mm_ / kFarther);
   std::vector<uint8_t> out = outside();
   const size_t in = size_t(std::count(out.begin(), out.end(), uint8_t(0)));
   if (double(in) > set_.worth * double(out.size())) {
@@ -223,13 +236,14 @@ void FocusSolver::enter() {
   part.pressure = taken(all.pressure, near_->cells(), 1);
   part.since_update = all.since_update;
   near_->restore(part);
-  StepSettings none;
+  StepSettings none = s;
   none.max_iterations = 0;
+  of_whole_ = whole_->step(none);  // with the springs of now
   const StepReport at_first = near_->step(none);
   energy_beyond_uJ_ = of_whole_.energy_uJ - at_first.energy_uJ;
   inverted_beyond_ = std::max(0, of_whole_.inverted_cells - at_first.inverted_cells);
   rim_ = near_->support_forces_mN();
-  rim_mm_ = 0;
+  rim_mm_ = rim_most_mm_ = 0, steps_here_ = 0;
   most_nodes_ = std::max(most_nodes_, in);
   const std::span<const Vec3f> u = whole_->displacement_mm();
   shown_.assign(u.begin(), u.end());
@@ -276,7 +290,7 @@ double FocusSolver::look_at_rim() {
 
 StepReport FocusSolver::step(const StepSettings& s) {
   if (!may_focus(s) || unmoved_steps_ > kIdle) leave();
-  if (!on_ && may_focus(s) && busy_ && unmoved_steps_ <= kIdle && steps_of_whole_ > 0) enter();
+  if (!on_ && may_focus(s) && busy_ && unmoved_steps_ <= kIdle && steps_of_whole_ > 0) enter(s);
   unmoved_steps_ += unmoved_steps_ <= kIdle;
   wait_steps_ -= wait_steps_ > 0;
   if (!on_) {
@@ -292,14 +306,16 @@ StepReport FocusSolver::step(const StepSettings& s) {
   StepReport r = near_->step(s);
   behind_ = true;
   show();
-  if (++steps_near_ % kLook == 0) rim_mm_ = look_at_rim();
+  ++steps_near_;
+  if (++steps_here_ % kLook == 0) rim_mm_ = look_at_rim(), rim_most_mm_ = std::max(rim_most_mm_, rim_mm_);
   r.distance_mm = std::max(r.distance_mm, rim_mm_);
   r.energy_uJ += energy_beyond_uJ_;
   r.inverted_cells += inverted_beyond_;
   r.min_J = std::min(r.min_J, of_whole_.min_J);
   if (rim_mm_ > set_.budget_mm) {
     leave();
-    busy_ = true, reach_mm_ *= kFarther;
+    busy_ = true;
+    if (steps_here_ < kSoon) reach_mm_ *= kFarther;
   }
   return r;
 }

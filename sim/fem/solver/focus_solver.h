@@ -2,13 +2,13 @@
 // While a hand carries something only the tissue around it is solved for, as far as an error budget allows.
 //
 //   whole   the solver of the whole model: alone at work while nothing is carried
-//   near    a solver for the part within a reach of what is carried, of every stitch and contact, and of what moves
-//           (RegionSolver); the rest holds still where it is
+//   near    a solver for the part within a reach of what is carried and of what moves with it, with every stitch and
+//           contact (RegionSolver); the rest holds still where it is
 //
 //   begins  when a spring's target has moved (a hook is carried, a stitch drawn) and a step of the whole came to no rest
 //   error   what holds still would move, too. By how far says the metric of the whole of the forces that the rim bears
 //           more than when it was held first: one application, every few steps. Beyond the budget the whole takes a
-//           step, and the next part reaches farther
+//           step, and the next part begins from there; it reaches farther where that came too soon
 //   ends    when nothing has been carried for a while, and with other springs, another model or an undo: the whole takes
 //           over what near has found, and brings all of it to rest. So the answer at rest is that of the whole model
 //
@@ -17,6 +17,7 @@
 // the whole.
 #include <limits>
 #include <memory>
+#include <set>
 
 #include "sim/fem/solver/lbfgs_solver.h"
 #include "sim/fem/solver/region_solver.h"
@@ -25,7 +26,7 @@ namespace limberg::fem {
 
 struct FocusSettings {
   size_t from_nodes = 8000;  // smaller models are fast enough
-  double reach_mm = 25;      // at first: two to three thicknesses of a face's soft tissue, over which a move fades to a
+  double reach_mm = 20;      // at first: two to three thicknesses of a face's soft tissue, over which a move fades to a
                              // fiftieth where the deep side is held
   double budget_mm = 0.05;   // half of the lag that a live hand may see
   double worth = 0.6;        // a part with more of the nodes gains nothing
@@ -70,7 +71,7 @@ class FocusSolver final : public ElasticSolver {
 
  private:
   bool may_focus(const StepSettings& s) const;
-  void enter();
+  void enter(const StepSettings& s);
   std::vector<uint8_t> outside() const;  // per node: 1 where it would hold still
   bool covers(const EmbeddedPoint& p) const;
   void show();
@@ -87,6 +88,7 @@ class FocusSolver final : public ElasticSolver {
   bool on_ = false;
   mutable bool behind_ = false;  // the whole knows less than near
   std::vector<Spring> springs_;  // as given last, by id
+  std::set<int32_t> carried_;    // springs whose targets have moved while something was carried
   std::vector<Contact> contacts_;
   std::vector<Vec3f> shown_;  // while focused
   std::vector<Vec3f> calm_;   // displacement when the whole was at rest last, or its first
@@ -95,7 +97,8 @@ class FocusSolver final : public ElasticSolver {
   int steps_of_whole_ = 0;                                   // since it was focused
   int wait_steps_ = 0;                                       // until a part is looked for again that was too large
   bool busy_ = false;                                        // the last step of the whole came to no rest
-  double rim_mm_ = 0;
+  double rim_mm_ = 0, rim_most_mm_ = 0;
+  int steps_here_ = 0;  // near, since it was focused
   double energy_beyond_uJ_ = 0;
   StepReport of_whole_;
   int inverted_beyond_ = 0;
