@@ -111,7 +111,7 @@ void FocusSolver::set_model(std::shared_ptr<const FemModel> model, const ParentL
   near_.reset();
   whole_->set_model(std::move(model), cell_parent);
   springs_.clear(), contacts_.clear(), calm_.clear();
-  unmoved_steps_ = kIdle + 1, steps_of_whole_ = 0, wait_steps_ = 0, busy_ = false;
+  unmoved_steps_ = kIdle + 1, wait_steps_ = 0, whole_first_ = false;
   reach_mm_ = set_.reach_mm;
 }
 
@@ -123,7 +123,7 @@ void FocusSolver::set_springs(std::span<const Spring> springs) {
   if (!same) carried_.clear();
   for (size_t i = 0; same && i < sorted.size(); ++i)
     if (sorted[i].target_mm != springs_[i].target_mm || sorted[i].thread_mm != springs_[i].thread_mm) {
-      if (unmoved_steps_ > kIdle) carried_.clear();
+      if (unmoved_steps_ > kIdle) carried_.clear(), whole_first_ = true;  // a step shows what moves along
       unmoved_steps_ = 0;
       carried_.insert(sorted[i].id);
     }
@@ -164,7 +164,7 @@ void FocusSolver::set_displacement_mm(std::span<const Vec3f> u) {
 void FocusSolver::restore(const SolverState& state) {
   leave();
   whole_->restore(state);
-  busy_ = false, calm_.clear();
+  whole_first_ = false, calm_.clear();
 }
 
 // ---- the part ----
@@ -223,9 +223,15 @@ void FocusSolver::enter(const StepSettings& s) {
       near_ && out_.size() == out.size() && 2 * size_t(std::count(out_.begin(), out_.end(), uint8_t(0))) < 3 * in &&
       std::equal(out.begin(), out.end(), out_.begin(), [](uint8_t now, uint8_t then) { return now >= then; });
   if (!again) {
-    near_ = std::make_unique<RegionSolver>(std::make_unique<LbfgsSolver>(workers_, true, MetricPolicy{0}));
-    near_->set_gravity(whole_->gravity_m_s2());
-    near_->set_model(hold_part(whole_->model(), out), {});
+    const auto part = hold_part(whole_->model(), out);
+    part->parent = ParentList::identity(part->X_mm.size()), part->born.clear();
+    if (near_) {  // what both parts have is not made again
+      near_->set_model(part, ParentList::identity(part->cells.size()));
+    } else {
+      near_ = std::make_unique<RegionSolver>(std::make_unique<LbfgsSolver>(workers_, true, MetricPolicy{0}));
+      near_->set_gravity(whole_->gravity_m_s2());
+      near_->set_model(part, {});
+    }
     out_ = std::move(out);
   }
   near_->set_springs(springs_);
@@ -247,7 +253,7 @@ void FocusSolver::enter(const StepSettings& s) {
   most_nodes_ = std::max(most_nodes_, in);
   const std::span<const Vec3f> u = whole_->displacement_mm();
   shown_.assign(u.begin(), u.end());
-  on_ = true, behind_ = false, steps_of_whole_ = 0;
+  on_ = true, behind_ = false;
 }
 
 void FocusSolver::leave() {
@@ -290,17 +296,16 @@ double FocusSolver::look_at_rim() {
 
 StepReport FocusSolver::step(const StepSettings& s) {
   if (!may_focus(s) || unmoved_steps_ > kIdle) leave();
-  if (!on_ && may_focus(s) && busy_ && unmoved_steps_ <= kIdle && steps_of_whole_ > 0) enter(s);
+  if (!on_ && may_focus(s) && !whole_first_ && unmoved_steps_ <= kIdle) enter(s);
   unmoved_steps_ += unmoved_steps_ <= kIdle;
   wait_steps_ -= wait_steps_ > 0;
   if (!on_) {
-    if (may_focus(s) && (!busy_ || calm_.empty())) {
+    of_whole_ = whole_->step(s);
+    whole_first_ = false;
+    if (may_focus(s) && (of_whole_.converged || calm_.empty())) {
       const std::span<const Vec3f> u = whole_->displacement_mm();
       calm_.assign(u.begin(), u.end());
     }
-    of_whole_ = whole_->step(s);
-    busy_ = !of_whole_.converged && !of_whole_.at_floor;
-    ++steps_of_whole_;
     return of_whole_;
   }
   StepReport r = near_->step(s);
@@ -314,7 +319,7 @@ StepReport FocusSolver::step(const StepSettings& s) {
   r.min_J = std::min(r.min_J, of_whole_.min_J);
   if (rim_mm_ > set_.budget_mm) {
     leave();
-    busy_ = true;
+    whole_first_ = true;
     if (steps_here_ < kSoon) reach_mm_ *= kFarther;
   }
   return r;

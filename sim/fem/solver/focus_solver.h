@@ -5,7 +5,7 @@
 //   near    a solver for the part within a reach of what is carried and of what moves with it, with every stitch and
 //           contact (RegionSolver); the rest holds still where it is
 //
-//   begins  when a spring's target has moved (a hook is carried, a stitch drawn) and a step of the whole came to no rest
+//   begins  when a spring's target has moved: a hook is carried, a stitch drawn
 //   error   what holds still would move, too. By how far says the metric of the whole of the forces that the rim bears
 //           more than when it was held first: one application, every few steps. Beyond the budget the whole takes a
 //           step, and the next part begins from there; it reaches farther where that came too soon
@@ -94,9 +94,8 @@ class FocusSolver final : public ElasticSolver {
   std::vector<Vec3f> calm_;   // displacement when the whole was at rest last, or its first
   double reach_mm_;
   int unmoved_steps_ = std::numeric_limits<int>::max() / 2;  // since a spring's target has moved
-  int steps_of_whole_ = 0;                                   // since it was focused
   int wait_steps_ = 0;                                       // until a part is looked for again that was too large
-  bool busy_ = false;                                        // the last step of the whole came to no rest
+  bool whole_first_ = false;                                 // the whole has a step to take before the next part
   double rim_mm_ = 0, rim_most_mm_ = 0;
   int steps_here_ = 0;  // near, since it was focused
   double energy_beyond_uJ_ = 0;
