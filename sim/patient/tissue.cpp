@@ -51,7 +51,7 @@ Tissue::Tissue(WorldSpec spec, Workers& workers)
   initial_volume_mm3_ = arrangement_->volume_mm3();
   if (!spec_.can_cut) arrangement_.reset();
   if (arrangement_) arrangement_->set_fault(spec_.fault);
-  solver_ = spec_.region_mm > 0 ? make_region_solver(workers) : make_focus_solver(workers);
+  solver_ = spec_.region_mm > 0 ? make_region_solver(workers) : make_focus_solver(workers, spec_.focus);
   solver_->set_gravity(spec_.gravity_m_s2);
   solver_->set_model(version_.model, {});
 }

@@ -7,6 +7,7 @@
 
 #include "sim/body/body.h"
 #include "sim/body/skin_image.h"
+#include "sim/fem/solver/focus_settings.h"
 
 namespace limberg {
 
@@ -44,6 +45,7 @@ struct WorldSpec {
   double hook_k_N_per_mm = 0.5;
   double hook_tip_mm = 2;  // radius of the piece of skin that a hook holds, as one with two teeth does; 0: a point
   double suture_pull_mm_per_step = 0.5;  // how fast a stitch is drawn tight
+  fem::FocusSettings focus;              // of steps that ask for it
   double region_mm = 0;  // > 0: tissue farther than this from the chart's origin holds still (lattice/region.h)
   bool can_cut = true;   // false: no cutter is built
   // cells in which a cut ends are divided twice, three times where it runs askew, so that it opens to within a quarter

@@ -7,8 +7,8 @@
 
 namespace limberg {
 
-std::unique_ptr<ElasticSolver> make_focus_solver(Workers& workers) {
-  return std::make_unique<fem::FocusSolver>(workers);
+std::unique_ptr<ElasticSolver> make_focus_solver(Workers& workers, const fem::FocusSettings& settings) {
+  return std::make_unique<fem::FocusSolver>(workers, settings);
 }
 
 }  // namespace limberg

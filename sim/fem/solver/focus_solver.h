@@ -19,18 +19,11 @@
 #include <memory>
 #include <set>
 
+#include "sim/fem/solver/focus_settings.h"
 #include "sim/fem/solver/lbfgs_solver.h"
 #include "sim/fem/solver/region_solver.h"
 
 namespace limberg::fem {
-
-struct FocusSettings {
-  size_t from_nodes = 8000;  // smaller models are fast enough
-  double reach_mm = 20;      // at first: two to three thicknesses of a face's soft tissue, over which a move fades to a
-                             // fiftieth where the deep side is held
-  double budget_mm = 0.05;   // half of the lag that a live hand may see
-  double worth = 0.6;        // a part with more of the nodes gains nothing
-};
 
 class FocusSolver final : public ElasticSolver {
  public:
@@ -109,6 +102,6 @@ class FocusSolver final : public ElasticSolver {
 
 namespace limberg {
 
-std::unique_ptr<ElasticSolver> make_focus_solver(Workers& workers);
+std::unique_ptr<ElasticSolver> make_focus_solver(Workers& workers, const fem::FocusSettings& settings = {});
 
 }  // namespace limberg
