@@ -107,12 +107,9 @@ FocusSolver::FocusSolver(Workers& workers, FocusSettings settings)
 // ---- what is given ----
 
 void FocusSolver::set_model(std::shared_ptr<const FemModel> model, const ParentList& cell_parent) {
-  leave();
-  near_.reset();
+  forget();
   whole_->set_model(std::move(model), cell_parent);
-  springs_.clear(), contacts_.clear(), calm_.clear();
-  unmoved_steps_ = kIdle + 1, wait_steps_ = 0, whole_first_ = false;
-  reach_mm_ = set_.reach_mm;
+  springs_.clear(), contacts_.clear();
 }
 
 void FocusSolver::set_springs(std::span<const Spring> springs) {
@@ -294,7 +291,16 @@ double FocusSolver::look_at_rim() {
   return whole_->first_move_mm(more);
 }
 
+void FocusSolver::forget() {
+  leave();
+  near_.reset(), out_.clear();
+  carried_.clear(), calm_.clear();
+  unmoved_steps_ = kIdle + 1, wait_steps_ = 0, whole_first_ = false;
+  reach_mm_ = set_.reach_mm, rim_most_mm_ = 0;
+}
+
 StepReport FocusSolver::step(const StepSettings& s) {
+  if (s.afresh) forget();
   if (!may_focus(s) || unmoved_steps_ > kIdle) leave();
   if (!on_ && may_focus(s) && !whole_first_ && unmoved_steps_ <= kIdle) enter(s);
   unmoved_steps_ += unmoved_steps_ <= kIdle;
@@ -308,8 +314,14 @@ StepReport FocusSolver::step(const StepSettings& s) {
     }
     return of_whole_;
   }
+  const bool given = unmoved_steps_ <= 1;  // something, since the step before
   StepReport r = near_->step(s);
   behind_ = true;
+  if (r.converged && !given) {  // at rest: as far as it is near, so the whole sees to the rest of it
+    leave();
+    unmoved_steps_ = kIdle + 1;
+    return of_whole_ = whole_->step(s);
+  }
   show();
   ++steps_near_;
   if (++steps_here_ % kLook == 0) rim_mm_ = look_at_rim(), rim_most_mm_ = std::max(rim_most_mm_, rim_mm_);

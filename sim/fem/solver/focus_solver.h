@@ -9,8 +9,9 @@
 //   error   what holds still would move, too. By how far says the metric of the whole of the forces that the rim bears
 //           more than when it was held first: one application, every few steps. Beyond the budget the whole takes a
 //           step, and the next part begins from there; it reaches farther where that came too soon
-//   ends    when nothing has been carried for a while, and with other springs, another model or an undo: the whole takes
-//           over what near has found, and brings all of it to rest. So the answer at rest is that of the whole model
+//   ends    when near is at rest or nothing has been carried for a while, and with other springs, another model or an
+//           undo: the whole takes over what near has found, and brings all of it to rest. So the answer at rest is that
+//           of the whole model
 //
 // How it goes on depends on what it was given alone, so that a session is played again bit for bit. Only quasi-static
 // steps that ask for it (StepSettings::focus), of models with many nodes and without loads; all other steps are those of
@@ -69,6 +70,7 @@ class FocusSolver final : public ElasticSolver {
   bool covers(const EmbeddedPoint& p) const;
   void show();
   void leave();
+  void forget();           // the part, and what it was chosen by
   void hand_over() const;  // what near has found, to the whole; it may go on
   double look_at_rim();
 

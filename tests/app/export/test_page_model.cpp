@@ -14,6 +14,7 @@
 #include "render/image.h"
 #include "sim/base/workers.h"
 #include "sim/commands/words.h"
+#include "sim/patient/soft_tissue.h"
 #include "sim/patient/world.h"
 #include "tests/app/export/pictured_block.h"
 

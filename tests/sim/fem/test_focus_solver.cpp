@@ -78,8 +78,7 @@ TEST(FocusSolver, WhileAHookIsCarriedIsNearTheWholeAndAtRestItIsThat) {
       exact.set_model(m, {}), exact.set_springs(h);
       exact.restore(whole.save());
       settle(exact, false);
-      for (int k = 0; k < 10; ++k) focus.step(live(true));  // the hand waits, and is still at work
-      EXPECT_TRUE(focus.focused());
+      for (int k = 0; k < 4; ++k) focus.step(live(true));  // the hand waits, and near comes closer
       worst = std::max(worst, apart(focus, exact)), told = std::max(told, focus.held_back_mm());
     }
   }
