@@ -11,7 +11,8 @@
 namespace limberg {
 
 /// The scene's text, the files that it names, its library of tissues if it has one, and the calibration, as blobs.
-/// InputError when a file lies at a path that cannot be put beside the scene elsewhere (absolute, or more than eight folders up).
+/// InputError when a file lies at a path that cannot be put beside the scene elsewhere (absolute, or more than eight
+/// folders up).
 std::vector<Blob> bundle(const Scene& scene, const Calibration& calibration);
 
 /// A scene taken out of a recording. Its mesh lies in a temporary folder

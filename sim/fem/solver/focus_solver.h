@@ -14,8 +14,7 @@
 //           of the whole model
 //
 // How it goes on depends on what it was given alone, so that a session is played again bit for bit. Only quasi-static
-// steps that ask for it (StepSettings::focus), of models with many nodes and without loads; all other steps are those of
-// the whole.
+// steps that ask for it (StepSettings::focus), of models with many nodes and without loads; all others are the whole's.
 #include <limits>
 #include <memory>
 #include <set>

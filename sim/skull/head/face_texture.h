@@ -11,10 +11,11 @@
 #include <span>
 #include <vector>
 
-#include "sim/body/skin_image.h"
 #include "sim/geometry/bvh.h"
 
 namespace limberg {
+
+struct SkinImage;  // sim/body/skin_image.h
 
 /// mm, in the frame of the face at rest. Per triangle texture coordinates of its corners (SkinImage); or, without a
 /// picture, per vertex an sRGB colour, 0 to 1.

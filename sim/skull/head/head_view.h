@@ -23,7 +23,7 @@ using SurfaceColour = std::function<std::array<uint8_t, 4>(const Vec3& X_mm, Org
 
 class HeadView {
  public:
-  /// `face` as it was at first. Makes a new version of the topology. `texture`: of the face, over its colour; may be null.
+  /// `face` as it was at first. Makes a new version of the topology. `texture`: of the face, over its colour, or null.
   void build(const simplex::Mesh& face_at_rest, const bone::Bones& bones,
              const std::vector<const simplex::Tissue*>& tissue, const std::vector<std::string>& landmarks,
              const SurfaceColour& colour = {}, const FaceTexture* texture = nullptr);

@@ -49,8 +49,8 @@ TEST(Focus, AFlapIsCarriedOverItsBedAsInTheWhole) {
   World focus(long_block(), workers), whole(long_block(), workers);
   raise_flap(focus, true), raise_flap(whole, false);
   double worst = 0;
-  // Lifted and drawn over its bed, where its deep side touches the bank. (Pressed into the wound's corner it jams in one
-  // of several ways: whole and whole, with 10 and with 14 iterations a step, end .1 to .4 mm apart there.)
+  // Lifted and drawn over its bed, where its deep side touches the bank. Pressed into the wound's corner it would jam
+  // in one of several ways: whole and whole, with 10 and with 14 iterations a step, end .1 to .4 mm apart there.
   for (int i = 0; i < 50; ++i) {
     const double t = 0.02 * (i + 1);
     const MoveHook to{1, {-24.5 + 4 * t, 4 * t, 1 + 6 * std::sin(2 * t)}, 0};
