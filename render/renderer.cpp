@@ -395,6 +395,7 @@ struct Renderer::Impl {
       gl.Enable(GL_BLEND);
       gl.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
       gl.DepthMask(GL_FALSE);
+      if (image_map) bind(unit, image_map);  // shading of corners may have made a texture of its own there
       shaded(Part::face, view, o, to_light, tension);
       tissue_mesh.draw(all - count, count);
       gl.DepthMask(GL_TRUE);

@@ -56,6 +56,7 @@ class FocusSolver final : public ElasticSolver {
   const FemModel& model() const override { return whole_->model(); }
 
   bool focused() const { return on_; }
+  const LbfgsSolver& whole() const { return *whole_; }
   /// Of steps taken near: how many, and the most nodes that were not held.
   uint64_t steps_near() const { return steps_near_; }
   size_t most_nodes_near() const { return most_nodes_; }

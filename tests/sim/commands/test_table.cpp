@@ -269,7 +269,7 @@ TEST(Table, ThePageIsMadeFromIt) {
 TEST(Table, PythonsStubsNameItsFields) {
   std::ifstream in(source_dir() + "/library/python/__init__.pyi");
   std::map<std::string, std::set<std::string>> written, wanted;
-  const std::regex argument(R"((\*{0,2}\w+): )");
+  const std::regex argument(R"((\*{0,2}\w+): \w)");
   bool made = false;
   for (std::string line; std::getline(in, line);) {
     made = made || line.rfind("# Actions of a script", 0) == 0;

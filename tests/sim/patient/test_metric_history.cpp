@@ -6,7 +6,7 @@
 #include <random>
 
 #include "sim/fem/solver/engine.h"
-#include "sim/fem/solver/lbfgs_solver.h"
+#include "sim/fem/solver/focus_solver.h"
 #include "sim/patient/soft_tissue.h"
 #include "sim/patient/world.h"
 #include "tests/sim/patient/small_block.h"
@@ -31,7 +31,7 @@ TEST_P(MetricHistory, FollowsEveryActAndIsTheSameAfresh) {
   StepSettings two;
   two.max_iterations = 2;
   world.step(two);
-  const auto& solver = dynamic_cast<const fem::LbfgsSolver&>(world.skin()->solver());
+  const auto& solver = dynamic_cast<const fem::FocusSolver&>(world.skin()->solver()).whole();
   int done = 0, compared = 0, rows = 0, made = 0;
   for (int k = 0; k < 16; ++k) {
     const ChartPoint p = point();
