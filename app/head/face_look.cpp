@@ -5,6 +5,7 @@
 #include "sim/base/whole_file.h"
 #include "sim/body/obj.h"
 #include "sim/geometry/io/mesh_file.h"
+#include "sim/imaging/io/surface_file.h"
 
 namespace limberg {
 namespace {
@@ -59,6 +60,8 @@ std::shared_ptr<const FaceTexture> face_look(const Scene& scene, simplex::Axes a
     x *= h.texture_scale_to_mm;
     if (turned) x.head<2>() *= -1;
     x += h.offset_mm;
+    if (!(x.cwiseAbs().maxCoeff() <= SurfaceFileLimits::extent_mm))
+      throw InputError(h.texture_file, 0, "a point is not at a place within 1000000 mm; expected a face's surface");
   }
   return std::make_shared<const FaceTexture>(s);
 }

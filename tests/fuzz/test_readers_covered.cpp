@@ -34,6 +34,8 @@ const std::map<std::string, std::string> kNone{
     {"app/commands/operate.cpp", "gives a script to its reader"},
     {"app/commands/this_call.cpp", "the words of this call"},
     {"app/result/output.cpp", "compares the first bytes of a file that would be replaced"},
+    {"app/head/face_look.cpp", "gives a surface to its reader, and a picture to its"},
+    {"app/scene/surface_picture.cpp", "gives a surface and its material to their readers"},
     {"app/study/place.cpp", "the hash of a file"},
     {"app/study/processes.cpp", "gives what a program says to the reader of its words"},
     {"app/study/study_result.cpp", "copies pictures"},

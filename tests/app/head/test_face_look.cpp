@@ -197,6 +197,13 @@ TEST_F(FaceLook, MistakesAreNamed) {
   says("face_picture = \"photo.png\"\n", "without face_texture");
   says("face_texture = \"scan.obj\"\nface_texture_scale_to_mm = 0\n", "face_texture_scale_to_mm");
   EXPECT_EQ(why("face_texture = \"scan.obj\"\n"), "");
+  write("far.obj", "v 0 0 0 1 1 1\nv 1e300 0 0 1 1 1\nv 0 1 0 1 1 1\nf 1 2 3\n");
+  says("face_texture = \"far.obj\"\n", "a point is not at a place within 1000000 mm");
+  // Of no area, in space and in the picture: nothing to complain of, and nothing to divide by.
+  write("thin.obj", "v 0 0 0\nv 0 0 0\nv 50 0 0\nvt 0 0\nvt 0 0\nvt 9 -9\nf 1/1 2/2 3/3\nf 1/1 1/1 1/1\n");
+  EXPECT_EQ(why("face_texture = \"thin.obj\"\nface_picture = \"photo.png\"\n"), "");
+  for (const auto& corners : shown(scene("face_texture = \"thin.obj\"\nface_picture = \"photo.png\"\n"))->view.uv)
+    for (const Eigen::Vector2f& uv : corners) ASSERT_TRUE(uv.allFinite());
 }
 
 }  // namespace test_face_look
