@@ -17,11 +17,11 @@ namespace limberg::fem {
 namespace {
 
 constexpr int kIdle = 12;         // steps without a moved target, a fifth of a second, after which nothing is carried
-constexpr int kLook = 8;          // steps from one look at the rim to the next: as long as a part of a millimetre lasts
+constexpr int kLook = 8;          // steps, at most, from one look at the rim to the next
 constexpr int kSoon = 32;         // steps: a part that does not last so long was too small
 constexpr double kAmple = 0.25;   // of the budget: what uses less reached too far
 constexpr double kFarther = 1.5;  // reaches the next part, where the budget was not kept
-constexpr int kWait = 60;         // steps, where a part was too large
+constexpr int kWait = 60;         // steps, where a part was too large, or much too small
 constexpr double kMoves = 0.25;   // of the largest move: what moves so far belongs to what is carried
 constexpr double kBeside_mm = 5;  // around every contact and every spring
 constexpr double kBin_mm = 5;     // the reach is counted in boxes, at least so large
@@ -215,6 +215,13 @@ void FocusSolver::enter(const StepSettings& s) {
     wait_steps_ = kWait;
     return;
   }
+  StepSettings none = s;
+  none.max_iterations = 0;
+  of_whole_ = whole_->step(none);                    // with the springs of now
+  if (whole_->next_move_mm(out) > set_.budget_mm) {  // here a move goes far
+    wait_steps_ = kWait;
+    return;
+  }
   // The part of before will do where nothing lies outside it now, unless it is much larger.
   const bool again =
       near_ && out_.size() == out.size() && 2 * size_t(std::count(out_.begin(), out_.end(), uint8_t(0))) < 3 * in &&
@@ -239,14 +246,11 @@ void FocusSolver::enter(const StepSettings& s) {
   part.pressure = taken(all.pressure, near_->cells(), 1);
   part.since_update = all.since_update;
   near_->restore(part);
-  StepSettings none = s;
-  none.max_iterations = 0;
-  of_whole_ = whole_->step(none);  // with the springs of now
   const StepReport at_first = near_->step(none);
   energy_beyond_uJ_ = of_whole_.energy_uJ - at_first.energy_uJ;
   inverted_beyond_ = std::max(0, of_whole_.inverted_cells - at_first.inverted_cells);
   rim_ = near_->support_forces_mN();
-  rim_mm_ = rim_most_mm_ = 0, steps_here_ = 0;
+  rim_mm_ = rim_most_mm_ = 0, steps_here_ = 0, look_at_ = 1;
   most_nodes_ = std::max(most_nodes_, in);
   const std::span<const Vec3f> u = whole_->displacement_mm();
   shown_.assign(u.begin(), u.end());
@@ -324,7 +328,12 @@ StepReport FocusSolver::step(const StepSettings& s) {
   }
   show();
   ++steps_near_;
-  if (++steps_here_ % kLook == 0) rim_mm_ = look_at_rim(), rim_most_mm_ = std::max(rim_most_mm_, rim_mm_);
+  if (++steps_here_ >= look_at_) {
+    rim_mm_ = look_at_rim(), rim_most_mm_ = std::max(rim_most_mm_, rim_mm_);
+    // Again before the budget is used up, if it goes on as from the beginning.
+    const double steps = (set_.budget_mm - rim_mm_) / std::max(rim_mm_ / steps_here_, 1e-9);
+    look_at_ = steps_here_ + std::clamp(int(std::min(steps, double(kLook))), 1, kLook);
+  }
   r.distance_mm = std::max(r.distance_mm, rim_mm_);
   r.energy_uJ += energy_beyond_uJ_;
   r.inverted_cells += inverted_beyond_;
@@ -333,6 +342,7 @@ StepReport FocusSolver::step(const StepSettings& s) {
     leave();
     whole_first_ = true;
     if (steps_here_ < kSoon) reach_mm_ *= kFarther;
+    if (steps_here_ < kLook) wait_steps_ = kWait;  // here a move goes far: parts are not worth their making
   }
   return r;
 }

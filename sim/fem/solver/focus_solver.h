@@ -7,8 +7,9 @@
 //
 //   begins  when a spring's target has moved: a hook is carried, a stitch drawn
 //   error   what holds still would move, too. By how far says the metric of the whole of the forces that the rim bears
-//           more than when it was held first: one application, every few steps. Beyond the budget the whole takes a
-//           step, and the next part begins from there; it reaches farther where that came too soon
+//           more than when it was held first: one application, in the first step and every few after it.
+//           Beyond the budget the whole takes a step, and the next part begins from there; it reaches farther where that
+//           came too soon, and waits a while where it came at once
 //   ends    when near is at rest or nothing has been carried for a while, and with other springs, another model or an
 //           undo: the whole takes over what near has found, and brings all of it to rest. So the answer at rest is that
 //           of the whole model
@@ -93,6 +94,7 @@ class FocusSolver final : public ElasticSolver {
   bool whole_first_ = false;                                 // the whole has a step to take before the next part
   double rim_mm_ = 0, rim_most_mm_ = 0;
   int steps_here_ = 0;  // near, since it was focused
+  int look_at_ = 1;     // in which of them the rim is looked at next
   double energy_beyond_uJ_ = 0;
   StepReport of_whole_;
   int inverted_beyond_ = 0;

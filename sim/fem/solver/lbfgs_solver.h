@@ -104,6 +104,9 @@ class LbfgsSolver final : public ElasticSolver {
   /// The largest move that the metric alone answers such forces with: what they would do, to first order. Held
   /// components take none. Only after a step.
   double first_move_mm(std::span<const SupportForce> forces_mN);
+  /// The largest move of the nodes marked with 1 in the direction that was found last: at a step's end, where the next
+  /// iteration would go (StepReport::distance_mm).
+  double next_move_mm(std::span<const uint8_t> marked) const;
 
  private:
   struct Value {

@@ -171,6 +171,13 @@ double LbfgsSolver::first_move_mm(std::span<const SupportForce> forces) {
   return engine_.max_node(z);
 }
 
+double LbfgsSolver::next_move_mm(std::span<const uint8_t> marked) const {
+  float most = 0;
+  for (size_t i = 0; i < marked.size() && i < d_.size(); ++i)
+    if (marked[i] == 1) most = std::max(most, d_[i].x * d_[i].x + d_[i].y * d_[i].y + d_[i].z * d_[i].z);
+  return std::sqrt(double(most));
+}
+
 void LbfgsSolver::cell_J(std::vector<float>& J) const {
   J.resize(model_->cells.size());
   const SharedArray<HexCell>& cells = model_->cells;

@@ -78,7 +78,7 @@ TEST_P(UndoHistories, EveryHashComesBackInBothDirections) {
     spec.loads = {{{-8, 4}, {0.1, 0, -0.2}, 3}, {{10, -9}, {0, 0.1, 0.1}, 2}};
   }
   const bool focus = GetParam() == 4 || GetParam() == 6;  // what lies far from a moved hook holds still meanwhile
-  if (focus) spec.focus = {.from_nodes = 10, .reach_mm = 1, .worth = 0.98};
+  if (focus) spec.focus = {.from_nodes = 10, .reach_mm = 1, .budget_mm = 1e3, .worth = 0.98};
   World world(spec, workers);
   Surgeon surgeon{uint64_t(GetParam())};
   steps(world, 3, dynamic, focus);
