@@ -7,9 +7,9 @@
 //
 //   begins  when a spring's target has moved: a hook is carried, a stitch drawn
 //   error   what holds still would move, too. By how far says the metric of the whole of the forces that the rim bears
-//           more than when it was held first: one application, in the first step and every few after it.
-//           Beyond the budget the whole takes a step, and the next part begins from there; it reaches farther where that
-//           came too soon, and waits a while where it came at once
+//           more than when it was held first: one application, in the first step and every few after it. Beyond the
+//           budget the whole takes a step, and the next part begins from there. It reaches farther where that came too
+//           soon, and waits a while where it came at once, or where a move would go far from the beginning
 //   ends    when near is at rest or nothing has been carried for a while, and with other springs, another model or an
 //           undo: the whole takes over what near has found, and brings all of it to rest. So the answer at rest is that
 //           of the whole model
