@@ -248,11 +248,20 @@ bool differs_in_words_only(const Scene& scene, const std::string& text, uint64_t
          parse_scene(text, scene.path).hash == hash;  // its files are those of this one, too
 }
 
+namespace {
+
+/// Of the files that a scene may name, those that it does.
+auto adder_to(std::vector<NamedFile>& out) {
+  return [&out](const std::string& path, const char* what, bool given = true) {
+    if (!path.empty()) out.push_back({path, what, given});
+  };
+}
+
+}  // namespace
+
 std::vector<NamedFile> files_of(const Scene& s) {
   std::vector<NamedFile> out;
-  const auto add = [&](const std::string& path, const char* what) {
-    if (!path.empty()) out.push_back({path, what});
-  };
+  const auto add = adder_to(out);
   if (s.source == Scene::Source::obj) add(s.obj.path, "the surface that the scene names");
   for (const ColliderSpec& c : s.colliders) add(c.path, "a collider that the scene names");
   for (const RegionSpec& r : s.regions) add(r.volume, "a region that the scene names");
@@ -268,21 +277,19 @@ std::vector<NamedFile> files_of(const Scene& s) {
 
 std::vector<NamedFile> looks_of(const Scene& s) {
   std::vector<NamedFile> out;
-  const auto add = [&](const std::string& path, const char* what) {
-    if (!path.empty()) out.push_back({path, what});
-  };
+  const auto add = adder_to(out);
   const auto picture = [&](const std::string& said, const std::string& surface) {
     const SurfacePicture of = said.empty() ? picture_of_surface(surface) : SurfacePicture{{}, said};
-    if (!of.materials.empty()) out.push_back({of.materials, "the material file of a surface", false});
-    if (!of.picture.empty()) out.push_back({of.picture, "the picture on a surface", !said.empty()});
+    add(of.materials, "the material file of a surface", false);
+    add(of.picture, "the picture on a surface", !said.empty());
   };
   if (s.flesh && s.source == Scene::Source::obj) picture(s.texture, s.obj.path);
-  if (s.head && !s.head->texture_file.empty()) {
+  if (!s.head) return out;
+  if (!s.head->texture_file.empty()) {
     add(s.head->texture_file, "the surface that a face's colours are of");
     picture(s.head->picture_file, s.head->texture_file);
   }
-  if (s.head)
-    for (const std::string& f : s.head->normal_files) add(f, "a normal skull");
+  for (const std::string& f : s.head->normal_files) add(f, "a normal skull");
   return out;
 }
 

@@ -18,6 +18,7 @@
 // gather the wound like a purse. Such a span keeps |target| of the thread for itself:
 // l_i = max(0, |a - b| - |target|), and L is what the spans leave. It pulls only when
 // it is longer than that; T = 0 there, so E stays convex with a continuous gradient.
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -25,6 +26,13 @@
 #include "sim/fem/model/fem_model.h"
 
 namespace limberg::fem {
+
+/// Whether two springs hold the same places by the same rule: one is the other with another target, or another length
+/// of its thread.
+inline bool held_alike(const Spring& a, const Spring& b) {
+  return a.id == b.id && a.thread == b.thread && a.to_world == b.to_world && a.k_N_per_mm == b.k_N_per_mm &&
+         std::ranges::equal(a.held_a(), b.held_a()) && (a.to_world || std::ranges::equal(a.held_b(), b.held_b()));
+}
 
 class SpringForces {
  public:

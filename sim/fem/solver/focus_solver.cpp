@@ -28,11 +28,6 @@ constexpr double kBin_mm = 5;     // the reach is counted in boxes, at least so 
 constexpr int kMostBins = 128;    // along an axis
 constexpr double kStillMoves_mm = 1e-3;
 
-bool held_alike(const Spring& a, const Spring& b) {
-  return a.id == b.id && a.thread == b.thread && a.to_world == b.to_world && a.k_N_per_mm == b.k_N_per_mm &&
-         std::ranges::equal(a.held_a(), b.held_a()) && (a.to_world || std::ranges::equal(a.held_b(), b.held_b()));
-}
-
 /// Boxes over a model's nodes at rest, marked and grown.
 class Bins {
  public:
@@ -116,8 +111,7 @@ void FocusSolver::set_springs(std::span<const Spring> springs) {
   std::vector<Spring> sorted(springs.begin(), springs.end());
   std::sort(sorted.begin(), sorted.end(), [](const Spring& a, const Spring& b) { return a.id < b.id; });
   const bool same = std::equal(sorted.begin(), sorted.end(), springs_.begin(), springs_.end(), held_alike);
-  if (!same) leave();
-  if (!same) carried_.clear();
+  if (!same) leave(), carried_.clear();
   for (size_t i = 0; same && i < sorted.size(); ++i)
     if (sorted[i].target_mm != springs_[i].target_mm || sorted[i].thread_mm != springs_[i].thread_mm) {
       if (unmoved_steps_ > kIdle) carried_.clear(), whole_first_ = true;  // a step shows what moves along
@@ -125,7 +119,7 @@ void FocusSolver::set_springs(std::span<const Spring> springs) {
       carried_.insert(sorted[i].id);
     }
   if (on_)
-    near_->set_springs(sorted);
+    near_->set_springs(sorted), behind_ = true;
   else
     whole_->set_springs(springs);  // in its own order: its InputErrors are of that
   springs_ = std::move(sorted);
@@ -136,7 +130,7 @@ void FocusSolver::set_contacts(std::span<const Contact> contacts) {
       !std::all_of(contacts.begin(), contacts.end(), [&](const Contact& c) { return covers(c.a) && covers(c.b); }))
     leave();
   if (on_)
-    near_->set_contacts(contacts);
+    near_->set_contacts(contacts), behind_ = true;
   else
     whole_->set_contacts(contacts);
   contacts_.assign(contacts.begin(), contacts.end());
@@ -264,10 +258,9 @@ void FocusSolver::leave() {
 }
 
 void FocusSolver::hand_over() const {
-  if (!on_) return;
+  if (!on_ || !behind_) return;
   whole_->set_springs(springs_);
   whole_->set_contacts(contacts_);
-  if (!behind_) return;
   const FemModel& m = whole_->model();
   SolverState all = whole_->save();
   const SolverState part = near_->save();
@@ -305,14 +298,15 @@ void FocusSolver::forget() {
 
 StepReport FocusSolver::step(const StepSettings& s) {
   if (s.afresh) forget();
-  if (!may_focus(s) || unmoved_steps_ > kIdle) leave();
-  if (!on_ && may_focus(s) && !whole_first_ && unmoved_steps_ <= kIdle) enter(s);
+  const bool may = may_focus(s), carried = may && unmoved_steps_ <= kIdle;
+  if (!carried) leave();
+  if (carried && !on_ && !whole_first_) enter(s);
   unmoved_steps_ += unmoved_steps_ <= kIdle;
   wait_steps_ -= wait_steps_ > 0;
   if (!on_) {
     of_whole_ = whole_->step(s);
     whole_first_ = false;
-    if (may_focus(s) && (of_whole_.converged || calm_.empty())) {
+    if (may && (of_whole_.converged || calm_.empty())) {
       const std::span<const Vec3f> u = whole_->displacement_mm();
       calm_.assign(u.begin(), u.end());
     }

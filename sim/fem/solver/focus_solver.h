@@ -94,7 +94,7 @@ class FocusSolver final : public ElasticSolver {
   bool whole_first_ = false;                                 // the whole has a step to take before the next part
   double rim_mm_ = 0, rim_most_mm_ = 0;
   int steps_here_ = 0;  // near, since it was focused
-  int look_at_ = 1;     // in which of them the rim is looked at next
+  int look_at_ = 1;     // the step near in which the rim is looked at next
   double energy_beyond_uJ_ = 0;
   StepReport of_whole_;
   int inverted_beyond_ = 0;

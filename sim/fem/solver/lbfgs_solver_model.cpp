@@ -138,16 +138,12 @@ void LbfgsSolver::set_springs(std::span<const Spring> springs) {
       throw InputError("", 0,
                        "spring " + std::to_string(s.id) + " is a span of a thread without two bites and a length");
   }
-  auto moved_only = [](const Spring& a, const Spring& b) {
-    return a.id == b.id && a.thread == b.thread && a.to_world == b.to_world && a.k_N_per_mm == b.k_N_per_mm &&
-           std::ranges::equal(a.held_a(), b.held_a()) && (a.to_world || std::ranges::equal(a.held_b(), b.held_b()));
-  };
   std::vector<Spring> sorted(springs.begin(), springs.end());
   std::sort(sorted.begin(), sorted.end(), [](const Spring& a, const Spring& b) { return a.id < b.id; });
   for (size_t i = 1; i < sorted.size(); ++i)
     if (sorted[i].id == sorted[i - 1].id)
       throw InputError("", 0, "two springs have the id " + std::to_string(sorted[i].id));
-  const bool same = std::equal(sorted.begin(), sorted.end(), springs_.begin(), springs_.end(), moved_only);
+  const bool same = std::equal(sorted.begin(), sorted.end(), springs_.begin(), springs_.end(), held_alike);
   const auto stands = [](const Spring& a, const Spring& b) { return !a.to_world || a.target_mm == b.target_mm; };
   const bool carried = same && !std::equal(sorted.begin(), sorted.end(), springs_.begin(), stands);
   if (carried) lagging_iterations_ = 0;
