@@ -34,7 +34,8 @@ void EdgeStroke::note(const Vec3& tip_mm, double step_mm) {
     thinned_ *= 2;
   }
   for (size_t i = 0; i < sheets_; ++i) {
-    point_[i * kPoints + points_] = {sheet_[i].touch.chart, sheet_[i].touch.x_mm};
+    point_[i * kPoints + points_] = {sheet_[i].touch.chart, sheet_[i].touch.x_mm, sheet_[i].touch.X_mm,
+                                     sheet_[i].touch.N};
     sheet_[i].sum2 += sheet_[i].touch.distance_mm * sheet_[i].touch.distance_mm;
   }
   ++points_;

@@ -19,6 +19,7 @@ class EdgeStroke {
   struct Point {
     ChartPoint chart{0, 0};
     Vec3 x_mm = Vec3::Zero();
+    Vec3 X_mm = Vec3::Zero(), N = Vec3::UnitZ();  // at rest: the place, and out of the skin
   };
 
   EdgeStroke();

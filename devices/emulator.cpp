@@ -58,6 +58,12 @@ struct EmulatedSurgeon::Impl {
       up = t.normal;
       return t.x_mm + a.height_mm * t.normal;
     }
+    if (a.kind == Aim::rest) {
+      const SkinTouch t = sight.skin_at(a.rest_mm);
+      if (t.triangle < 0) return tip;
+      up = t.normal;
+      return t.x_mm + a.height_mm * t.normal;
+    }
     Vec3 p = a.world_mm;
     if (a.kind == Aim::handle) {
       const HookState* h = sight.hook(a.hook);
@@ -74,6 +80,16 @@ struct EmulatedSurgeon::Impl {
     const double t = piece > 0 ? std::clamp((l - s.length[i - 1]) / piece, 0.0, 1.0) : 0;
     if (direction) *direction = piece > 0 ? Vec2((s.path[i] - s.path[i - 1]) / piece) : Vec2(1, 0);
     return s.path[i - 1] + t * (s.path[i] - s.path[i - 1]);
+  }
+
+  /// The place on a path in space: on the skin that lies there at rest, the handle as the path says.
+  Vec3 place_at_rest(const Step& s, double l) {
+    const double t = s.length.back() > 0 ? std::clamp(l / s.length.back(), 0.0, 1.0) : 0;
+    const SkinTouch on = sight.skin_at((1 - t) * s.rest_path.front() + t * s.rest_path.back());
+    if (on.triangle < 0) return tip;
+    up = on.normal;
+    if (!s.shaft.empty()) wanted_shaft = (1 - t) * s.shaft.front() + t * s.shaft.back();
+    return on.x_mm;
   }
 
   /// The place on a drawn path; over a hole, on the straight line between its rims.
@@ -138,9 +154,11 @@ struct EmulatedSurgeon::Impl {
       const Vec3 target = place(s.aim);
       tip = step_from + minimum_jerk(share) * (target - step_from);
     } else if (s.kind == Step::draw) {
-      tip = place_on_path(s, minimum_jerk(share) * s.length.back());
+      const double l = minimum_jerk(share) * s.length.back();
+      tip = s.rest_path.empty() ? place_on_path(s, l) : place_at_rest(s, l);
     } else if (s.kind == Step::hold) {
       tip = place(s.aim);
+      if (!s.shaft.empty()) wanted_shaft = s.shaft.front();
     }
   }
 

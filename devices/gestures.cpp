@@ -19,8 +19,8 @@ constexpr double kJumpPerMm = 3;  // ... and by this factor; further is another 
 constexpr double kTicksPerMs = 1;
 
 bool draws(Tool t) {
-  return t == Tool::scalpel || t == Tool::undermine || t == Tool::excise || sews_along(t) || t == Tool::saw ||
-         t == Tool::marker || t == Tool::swab;
+  return t == Tool::scalpel || t == Tool::scalpel_through || t == Tool::undermine || t == Tool::excise ||
+         sews_along(t) || t == Tool::saw || t == Tool::marker || t == Tool::swab;
 }
 
 constexpr int64_t kNoThread = -1, kInHand = -2;  // instead of the tick at which it was laid down
@@ -38,8 +38,10 @@ ToolEvent Gestures::event(int kind, int64_t tick, const Snapshot& s) const {
   e.chart_x = touch_.chart.x();
   e.chart_y = touch_.chart.y();
   for (int i = 0; i < 3; ++i) e.world_mm[i] = e.seen_mm[i] = touch_.x_mm[i], e.rest_mm[i] = touch_.X_mm[i];
+  const Vec3 out = out_at_rest(s);
+  for (int i = 0; i < 3; ++i) e.out[i] = out[i];
   e.depth_mm = depth_mm_;
-  e.angle_deg = angle_deg_ > 0 ? angle_deg_ : 90;
+  e.angle_deg = angle_deg_ > 0 || tool_ == Tool::scalpel_through ? angle_deg_ : 90;
   e.spacing_mm = spacing_mm_;
   return e;
 }
@@ -59,7 +61,7 @@ void Gestures::miss(int kind, int64_t tick, EventSink& out) {
 }
 
 double Gestures::apart(const SkinTouch& a, const SkinTouch& b) const {
-  return acts_on_bone(tool_) ? (a.X_mm - b.X_mm).norm() : (a.chart - b.chart).norm();
+  return acts_on_bone(tool_) || g_.in_space ? (a.X_mm - b.X_mm).norm() : (a.chart - b.chart).norm();
 }
 
 void Gestures::find_touch(int64_t tick, const Pose& pose, const Snapshot& s) {
@@ -101,7 +103,8 @@ Vec3 Gestures::meant_tip() const {
 /// Where the hand rests, the touched point is that of the mean tip.
 void Gestures::touch_where_rested(const Snapshot& s) {
   if (recent_ < kRestTicks || touch_.triangle < 0) return;
-  const SkinTouch rested = index().closest(s, meant_tip(), touch_.triangle);
+  const SkinTouch rested =
+      g_.in_space ? index().closest_of_all(s, meant_tip()) : index().closest(s, meant_tip(), touch_.triangle);
   if (rested.triangle >= 0) touch_ = rested;
 }
 
@@ -384,8 +387,27 @@ void Gestures::add_blade_angle(const Pose& pose, const Vec3& travelled_mm) {
   angle_weight_mm_ += length;
 }
 
+/// The skin's turn since it was at rest is taken back from the shaft: both are seen from the touched triangle, along
+/// its first edge, across it and out of it. A shaft that lies on the skin, or points into it, says nothing.
+Vec3 Gestures::out_at_rest(const Snapshot& s) const {
+  if (tool_ != Tool::scalpel_through || angle_deg_ > 0 || touch_.triangle < 0) return touch_.N;
+  const SurfaceView& v = s.topology->view;
+  const Tri& k = v.tri[size_t(touch_.triangle)];
+  constexpr double kAlmostFlat = 0.2;  // cosine between shaft and skin's normal: 78 degrees
+  if (last_pose_.shaft.dot(touch_.normal) < kAlmostFlat) return touch_.N;
+  const auto triad = [](const Vec3& edge, const Vec3& n) {
+    Mat3 m;
+    m.col(0) = (edge - edge.dot(n) * n).normalized(), m.col(2) = n, m.col(1) = n.cross(m.col(0));
+    return m;
+  };
+  const Vec3 edge = (s.x_mm[size_t(k[1])] - s.x_mm[size_t(k[0])]).cast<double>(),
+             E = v.X_mm[size_t(k[1])] - v.X_mm[size_t(k[0])];
+  const Vec3 out = triad(E, touch_.N) * triad(edge, touch_.normal).transpose() * last_pose_.shaft;
+  return out.allFinite() && out.norm() > 0 ? Vec3(out.normalized()) : touch_.N;
+}
+
 double Gestures::blade_angle_deg() const {
-  if (angle_deg_ > 0) return angle_deg_;
+  if (angle_deg_ > 0 || tool_ == Tool::scalpel_through) return angle_deg_;
   return angle_weight_mm_ > 0 ? std::clamp(angle_sum_deg_ / angle_weight_mm_, 20.0, 160.0) : 90;
 }
 
@@ -461,6 +483,7 @@ void Gestures::emit_row(int64_t tick, const Snapshot& s, EventSink& out) {
   for (size_t i = 0; i < edge_.size(); ++i) {
     touch_.chart = edge_.point(i).chart;
     touch_.x_mm = edge_.point(i).x_mm;
+    touch_.X_mm = edge_.point(i).X_mm, touch_.N = edge_.point(i).N;
     emit(event(i == 0 ? ToolEvent::stroke_begin : ToolEvent::stroke_point, tick, s), out);
   }
   if (edge_.size() > 0) emit(event(ToolEvent::stroke_end, tick, s), out);

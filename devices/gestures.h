@@ -2,7 +2,9 @@
 // What the hand means: a pose, a button and a chosen tool, set against the newest patient, become tool events.
 //
 //   scalpel            press on the skin, draw, let go: a stroke; the touched points are material points (rest chart)
-//   undermine, excise  the same; the stroke is the outline
+//   scalpel_through    the same; the blade goes right through, the way the hand holds it
+//   undermine, excise  the same; the stroke is the outline. Pressed and let go in one place, excise takes out the
+//                      loose piece that is touched
 //   suture_row         two strokes, one along each edge; on the skin that stays nearest along the whole of it
 //   suture_running     the same; one thread
 //   hook               press on the skin: a hook is set and follows the hand until the button is let go; press at the
@@ -52,6 +54,9 @@ struct GestureSettings {
   double rest_mm = 0.8;        // a hand that stayed within this for a tenth of a second rests
   double default_depth_mm = 4, default_spacing_mm = 4;
   bool threads_slip = true;  // false, of recordings before there was suture_let_go: a thread is held by nobody
+  // How far a stroke has come is measured on the skin in space, not on the chart, which sees steep skin shortened, and
+  // of several sheets a press means the one that is exactly nearest; false of recordings from before.
+  bool in_space = true;
 };
 
 class Gestures {
@@ -82,6 +87,8 @@ class Gestures {
   void stroke_on(int64_t tick, const Pose& pose, const Snapshot& s, EventSink& out);
   void cancel(int64_t tick, const Snapshot& s, EventSink& out);
   void add_blade_angle(const Pose& pose, const Vec3& travelled_mm);
+  /// Of the touched place, at rest: out of the skin, or (right through) to the hand.
+  Vec3 out_at_rest(const Snapshot& s) const;
   double blade_angle_deg() const;
   Vec3 tool_tip(const Vec3& hand_mm, bool clutch);
   void find_touch(int64_t tick, const Pose& pose, const Snapshot& s);
@@ -108,7 +115,7 @@ class Gestures {
   ToolEvent event(int kind, int64_t tick, const Snapshot& s) const;
   void emit(ToolEvent e, EventSink& out);
   void miss(int kind, int64_t tick, EventSink& out);
-  /// How far two touched places are apart at rest: on the chart, on bone in space.
+  /// How far two touched places are apart at rest: in space, or on the chart.
   double apart(const SkinTouch& a, const SkinTouch& b) const;
   SurfaceIndex& index() {
     return acts_on_bone(tool_) ? bone_index_ : tool_ == Tool::suture_deep ? flesh_index_ : index_;

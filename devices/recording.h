@@ -34,6 +34,7 @@ struct SessionInfo {
   static constexpr size_t kGoesOnWith = 3;
   static constexpr uint64_t kProgressiveCut = 1;  // option: incisions opened while they were drawn
   static constexpr uint64_t kThreadsSlip = 2;     // option: threads slipped that were laid down untied
+  static constexpr uint64_t kInSpace = 4;         // option: hands were read as GestureSettings::in_space says
   int64_t tick_ns = 1'000'000;
   int32_t ticks_per_solver_step = 8;
   int32_t ticks_per_frame = 16;

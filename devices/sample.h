@@ -44,9 +44,10 @@ enum class Tool : int32_t {
   suture_bites = 16,       // a running stitch, bite after bite
   suture_knot = 17,        // its knot
   suture_row_buried = 18,  // along both edges, in the wound's walls
-  suture_deep = 19         // a stitch into skin or cut faces, whichever is touched
+  suture_deep = 19,        // a stitch into skin or cut faces, whichever is touched
+  scalpel_through = 20     // a cut from one side of the body through to the other
 };
-inline constexpr Tool kLastTool = Tool::suture_deep;
+inline constexpr Tool kLastTool = Tool::scalpel_through;
 /// Those that act on bone instead of skin: the saw draws a closed line on it, grab carries a fragment.
 /// Drawn along both edges of a wound, one after the other.
 inline bool sews_along(Tool t) {

@@ -92,4 +92,17 @@ SkinTouch SkinChart::at(const Snapshot& s, const ChartPoint& c, double slack_mm)
   return touch_at(s, best.triangle, best.bary, std::sqrt(best.distance2));
 }
 
+SkinTouch SkinChart::at_rest(const Snapshot& s, const Vec3& X, double reach_mm) {
+  const SurfaceView& v = s.topology->view;
+  int32_t triangle = -1;
+  std::array<double, 3> bary{1, 0, 0};
+  double best = reach_mm * reach_mm;
+  for (const int32_t t : s.topology->index(Ground::skin).triangle) {
+    const Tri& k = v.tri[size_t(t)];
+    const TrianglePoint p = closest_on_triangle(X, v.X_mm[size_t(k[0])], v.X_mm[size_t(k[1])], v.X_mm[size_t(k[2])]);
+    if (const double d2 = (p.point - X).squaredNorm(); d2 < best) best = d2, triangle = t, bary = p.bary;
+  }
+  return touch_at(s, triangle, bary, std::sqrt(best));
+}
+
 }  // namespace limberg

@@ -19,6 +19,10 @@ class SkinChart {
   /// triangle -1: there is none. distance_mm is the distance in the chart.
   SkinTouch at(const Snapshot& s, const ChartPoint& c, double slack_mm = 0) const;
 
+  /// The skin that lies nearest to X at rest, in its deformed place; triangle -1 where there is none within reach_mm.
+  /// O(triangles of skin)
+  static SkinTouch at_rest(const Snapshot& s, const Vec3& X_mm, double reach_mm);
+
  private:
   int cell_x(double x) const;
   int cell_y(double y) const;

@@ -177,4 +177,28 @@ std::vector<Vec2> simplify_outline(const std::vector<Vec2>& points, const PathSe
   return out;
 }
 
+std::vector<Vec3> simplify_in_space(const std::vector<Vec3>& points, const std::vector<Vec3>& normals, bool outline,
+                                    const PathSettings& s) {
+  if (points.size() < 2) return points;
+  Vec3 n = Vec3::Zero();
+  for (const Vec3& normal : normals) n += normal;
+  if (!(n.norm() > 1e-6 * double(normals.size()))) n = Vec3::UnitZ();  // all round: any plane is as good
+  n.normalize();
+  const Vec3 e1 = n.unitOrthogonal(), e2 = n.cross(e1);
+  std::vector<Vec2> flat;
+  for (const Vec3& p : points) flat.emplace_back((p - points[0]).dot(e1), (p - points[0]).dot(e2));
+  std::vector<Vec3> path;
+  for (const Vec2& q : outline ? simplify_outline(flat, s) : simplify_path(flat, s)) {
+    double best = 1e300, height = 0;
+    for (size_t i = 0; i + 1 < flat.size(); ++i) {
+      const Vec2 way = flat[i + 1] - flat[i];
+      const double t = std::clamp((q - flat[i]).dot(way) / std::max(way.squaredNorm(), 1e-12), 0.0, 1.0);
+      const double d2 = (flat[i] + t * way - q).squaredNorm();
+      if (d2 < best) best = d2, height = ((1 - t) * (points[i] - points[0]) + t * (points[i + 1] - points[0])).dot(n);
+    }
+    path.push_back(points[0] + q.x() * e1 + q.y() * e2 + height * n);
+  }
+  return path;
+}
+
 }  // namespace limberg

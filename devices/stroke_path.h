@@ -23,4 +23,9 @@ std::vector<Vec2> simplify_path(const std::vector<Vec2>& points, const PathSetti
 /// off (sim/geometry/overrun.h).
 std::vector<Vec2> simplify_outline(const std::vector<Vec2>& points, const PathSettings& settings = {});
 
+/// The same for points in space on a surface with such normals, one for each point: simplified in the plane across
+/// their mean, and lifted back to where the points lie (between them in a straight line).
+std::vector<Vec3> simplify_in_space(const std::vector<Vec3>& points, const std::vector<Vec3>& normals, bool outline,
+                                    const PathSettings& settings = {});
+
 }  // namespace limberg

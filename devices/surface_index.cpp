@@ -53,6 +53,8 @@ SkinTouch touch_at(const Snapshot& s, int32_t triangle, const std::array<double,
   out.x_mm = bary[0] * a + bary[1] * b + bary[2] * c;
   out.X_mm = Vec3::Zero();
   for (size_t i = 0; i < 3; ++i) out.X_mm += bary[i] * view.X_mm[size_t(k[i])];
+  const Vec3 N = area_vector2(view.X_mm[size_t(k[0])], view.X_mm[size_t(k[1])], view.X_mm[size_t(k[2])]);
+  if (N.norm() > 0) out.N = N.normalized();
   out.chart = s.topology->to_chart(out.X_mm);
   const Vec3 n = area_vector2(a, b, c);
   if (n.norm() > 0) out.normal = n.normalized();
@@ -62,6 +64,23 @@ SkinTouch touch_at(const Snapshot& s, int32_t triangle, const std::array<double,
 
 SkinTouch SurfaceIndex::touch(const Snapshot& s, const Place& place) const {
   return touch_at(s, place.triangle, place.bary, std::sqrt(place.distance2));
+}
+
+SkinTouch SurfaceIndex::closest_of_all(const Snapshot& s, const Vec3& p) const {
+  const SkinTouch near = closest(s, p, -1);
+  if (near.triangle < 0) return near;
+  const SurfaceView& view = s.topology->view;
+  Place best{near.triangle, near.bary, near.distance_mm * near.distance_mm};
+  for (const int32_t t : of(s).triangle) {
+    const Tri& k = view.tri[size_t(t)];
+    const Vec3 a = float_at(s, k[0]).cast<double>(), b = float_at(s, k[1]).cast<double>(),
+               c = float_at(s, k[2]).cast<double>();
+    const Vec3 beside = (a.cwiseMin(b).cwiseMin(c) - p).cwiseMax(p - a.cwiseMax(b).cwiseMax(c)).cwiseMax(0);
+    if (beside.squaredNorm() >= best.distance2) continue;
+    const TrianglePoint at = closest_on_triangle(p, a, b, c);
+    if (const double d2 = (at.point - p).squaredNorm(); d2 < best.distance2) best = {t, at.bary, d2};
+  }
+  return touch(s, best);
 }
 
 int32_t SurfaceIndex::nearest_vertex(const Snapshot& s, const Vec3& p_mm, bool unmarked_only) const {

@@ -22,6 +22,7 @@ struct SkinTouch {
   Vec3 x_mm = Vec3::Zero();     // deformed
   Vec3 normal = Vec3::UnitZ();  // deformed, unit, outward
   Vec3 X_mm = Vec3::Zero();     // at rest
+  Vec3 N = Vec3::UnitZ();       // at rest, unit, outward
   ChartPoint chart{0, 0};
   double distance_mm = 1e30;  // from the query point
 };
@@ -56,6 +57,10 @@ class SurfaceIndex {
 
   /// Closest skin point to p. `hint`: a triangle touched before, or -1 for a search over all the skin.
   SkinTouch closest(const Snapshot& s, const Vec3& p_mm, int32_t hint) const;
+
+  /// The same, exactly: the walk above ends on the sheet whose vertex is nearest, and where triangles are larger than
+  /// the gap between two sheets that may be the farther one. O(triangles), for the moment of a press.
+  SkinTouch closest_of_all(const Snapshot& s, const Vec3& p_mm) const;
 
   /// The sheets of skin near p: the closest point, then the closest of the skin that does not hang together with it
   /// within kSheetRadius_mm, and so on while no more than `among_mm` further away. How many of `out` were filled.

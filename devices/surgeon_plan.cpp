@@ -27,6 +27,12 @@ Aim on_skin(const ChartPoint& c) {
   a.chart = c;
   return a;
 }
+Aim at_rest(const Vec3& X) {
+  Aim a;
+  a.kind = Aim::rest;
+  a.rest_mm = X;
+  return a;
+}
 Aim at_handle(int hook) {
   Aim a;
   a.kind = Aim::handle;
@@ -140,6 +146,43 @@ void SurgeonPlan::stroke(const std::vector<ChartPoint>& points, bool closed, dou
   rise(on_skin(path.back()));
 }
 
+void SurgeonPlan::stroke_in_space(const std::vector<Vec3>& places, const std::vector<Vec3>& shafts, bool closed) {
+  Step s;
+  s.kind = Step::draw;
+  for (size_t i = 0; i < places.size(); ++i) {
+    if (!s.rest_path.empty() && (places[i] - s.rest_path.back()).norm() <= 1e-6) continue;
+    s.length.push_back(s.rest_path.empty() ? 0 : s.length.back() + (places[i] - s.rest_path.back()).norm());
+    s.rest_path.push_back(places[i]);
+    if (!shafts.empty()) s.shaft.push_back(shafts[i].normalized());
+  }
+  if (const double gap = (s.rest_path.front() - s.rest_path.back()).norm(); closed && gap > 1e-6) {
+    s.length.push_back(s.length.back() + gap);
+    s.rest_path.push_back(s.rest_path.front());
+    if (!s.shaft.empty()) s.shaft.push_back(s.shaft.front());
+  }
+  const Aim from = at_rest(s.rest_path.front()), to = at_rest(s.rest_path.back());
+  const auto resting = [&](const Vec3& X, size_t i) {
+    Step h;
+    h.kind = Step::hold, h.aim = at_rest(X), h.seconds = set_.corner_pause_s;
+    if (!s.shaft.empty()) h.shaft.push_back(s.shaft[i]);
+    steps_.push_back(h);
+  };
+  go_down(from, set_.hover_mm);
+  if (!s.shaft.empty()) resting(s.rest_path.front(), 0);  // the wrist has turned before the blade goes in
+  mark(Step::press);
+  resting(s.rest_path.front(), 0);
+  for (size_t i = 1; i < s.rest_path.size(); ++i) {  // a rest at each post
+    Step piece = s;
+    piece.rest_path.assign(s.rest_path.begin() + long(i) - 1, s.rest_path.begin() + long(i) + 1);
+    piece.length = {0, s.length[i] - s.length[i - 1]};
+    if (!s.shaft.empty()) piece.shaft.assign(s.shaft.begin() + long(i) - 1, s.shaft.begin() + long(i) + 1);
+    steps_.push_back(piece);
+    resting(s.rest_path[i], i);
+  }
+  mark(Step::let_go);
+  rise(to);
+}
+
 void SurgeonPlan::stroke_command(Tool tool, const std::vector<ChartPoint>& path, bool closed, double depth_mm,
                                  double angle_deg) {
   if (path.empty() || !reachable(path.front()) || !reachable(path.back())) return;
@@ -163,6 +206,13 @@ bool SurgeonPlan::reachable(const ChartPoint& c) {
   return false;
 }
 
+bool SurgeonPlan::reachable(const Vec3& X) {
+  if (sight_->skin_at(X).triangle >= 0) return true;
+  problems_.push_back(
+      fmt::format("command {}: point ({:.2f}, {:.2f}, {:.2f}) is not on skin", number_, X.x(), X.y(), X.z()));
+  return false;
+}
+
 // ---- commands ----
 
 void SurgeonPlan::plan(const Incise& c) {
@@ -174,14 +224,46 @@ void SurgeonPlan::plan(const InciseMore& c) {
 void SurgeonPlan::plan(const Undermine& c) { stroke_command(Tool::undermine, c.outline, true, c.depth_mm, 90); }
 void SurgeonPlan::plan(const Excise& c) { stroke_command(Tool::excise, c.outline, true, c.depth_mm, 90); }
 
-void SurgeonPlan::plan(const SetHook& c) {
+void SurgeonPlan::plan(const ExcisePiece& c) {
   if (!reachable(c.at)) return;
-  control(ControlSample::select_tool, Tool::hook, {0, 0, 0, double(c.id)});
-  go_down(on_skin(c.at), set_.hover_mm);
+  control(ControlSample::select_tool, Tool::excise);
+  tap(on_skin(c.at));
+}
+
+void SurgeonPlan::plan(const CutThrough& c) {
+  if (c.from_bed) {
+    problems_.push_back(
+        fmt::format("command {}: a cut right through from a bed is no gesture; one from the skin was "
+                    "expected",
+                    number_));
+    return;
+  }
+  for (const Vec3& X : c.path)
+    if (!reachable(X)) return;
+  control(ControlSample::select_tool, Tool::scalpel_through, {0, c.normals.empty() ? 90.0 : 0.0, 0, 0});
+  stroke_in_space(c.path, c.normals, false);
+}
+
+void SurgeonPlan::plan(const SetHook& c) {
+  if (reachable(c.at)) set_hook(c.id, on_skin(c.at));
+}
+
+void SurgeonPlan::set_hook(int id, const Aim& at) {
+  control(ControlSample::select_tool, Tool::hook, {0, 0, 0, double(id)});
+  go_down(at, set_.hover_mm);
   mark(Step::press);
   hold(Aim{}, set_.corner_pause_s);
-  holding_ = c.id;
-  let_go_unless_moved_next(on_skin(c.at));
+  holding_ = id;
+  let_go_unless_moved_next(at);
+}
+
+/// Press in one place.
+void SurgeonPlan::tap(const Aim& at) {
+  go_down(at, set_.hover_mm);
+  mark(Step::press);
+  hold(at, set_.corner_pause_s);
+  mark(Step::let_go);
+  rise(at);
 }
 
 void SurgeonPlan::plan(const MoveHook& c) {
@@ -221,17 +303,17 @@ void SurgeonPlan::plan(const Suture& c) {
     control(ControlSample::select_tool, Tool::suture_buried, {c.depth_mm});
   else
     control(ControlSample::select_tool, Tool::suture);
-  sew(c.a, c.b);
+  sew(on_skin(c.a), on_skin(c.b));
 }
 
 /// The needle through one place and then another.
-void SurgeonPlan::sew(const ChartPoint& a, const ChartPoint& b) {
-  go_down(on_skin(a), set_.hover_mm);
+void SurgeonPlan::sew(const Aim& a, const Aim& b) {
+  go_down(a, set_.hover_mm);
   mark(Step::press);
-  hold(on_skin(a), set_.corner_pause_s);
-  go_down(on_skin(b), 0.5 * set_.hover_mm);
+  hold(a, set_.corner_pause_s);
+  go_down(b, 0.5 * set_.hover_mm);
   mark(Step::let_go);
-  rise(on_skin(b));
+  rise(b);
 }
 
 void SurgeonPlan::plan(const SutureRow& c) {
@@ -247,14 +329,18 @@ void SurgeonPlan::plan(const SutureRow& c) {
 }
 
 void SurgeonPlan::plan(const SutureCorner& c) {
-  if (!reachable(c.a) || !reachable(c.tip) || !reachable(c.b)) return;
-  control(ControlSample::select_tool, Tool::suture_corner, {c.depth_mm});
-  sew(c.a, c.tip);
-  go_down(on_skin(c.b), 0.5 * set_.hover_mm);
+  if (reachable(c.a) && reachable(c.tip) && reachable(c.b))
+    sew_corner(on_skin(c.a), on_skin(c.tip), on_skin(c.b), c.depth_mm);
+}
+
+void SurgeonPlan::sew_corner(const Aim& a, const Aim& tip, const Aim& b, double depth_mm) {
+  control(ControlSample::select_tool, Tool::suture_corner, {depth_mm});
+  sew(a, tip);
+  go_down(b, 0.5 * set_.hover_mm);
   mark(Step::press);
-  hold(on_skin(c.b), set_.corner_pause_s);
+  hold(b, set_.corner_pause_s);
   mark(Step::let_go);
-  rise(on_skin(c.b));
+  rise(b);
 }
 
 void SurgeonPlan::plan(const SutureBite& c) {
@@ -265,7 +351,7 @@ void SurgeonPlan::plan(const SutureBite& c) {
     return;
   }
   control(ControlSample::select_tool, Tool::suture_bites);
-  sew(c.a, c.b);
+  sew(on_skin(c.a), on_skin(c.b));
 }
 
 void SurgeonPlan::plan(const TieSuture&) {
@@ -289,24 +375,17 @@ void SurgeonPlan::plan(const LetThreadGo&) {
   hold(Aim{}, set_.settle_s);
 }
 
-/// A stitch in cut faces, where these lie now; of other acts in space a hand knows none.
-void SurgeonPlan::plan(const InSpace& c) {
-  const auto* s = std::get_if<Suture>(&c.act);
-  if (!s || s->depth_mm > 0) {
-    problems_.push_back("command " + std::to_string(number_) +
-                        ": no gesture; of acts at places in space a stitch through skin or cut faces was expected");
-    return;
-  }
-  const std::vector<Vec3> places = places_of(c);
+/// A stitch in cut faces, where these lie now.
+void SurgeonPlan::deep_stitch(const Suture& c, const Vec3& a, const Vec3& b) {
   std::array<Vec3, 2> now;
-  for (size_t k = 0; k < 2; ++k)
-    if (const auto at = held_place(*sight_->seen, places[k], k == 0 ? s->side_a : s->side_b)) {
-      now[k] = *at;
-    } else {
-      problems_.push_back(fmt::format("command {}: no such face is at ({:.2f}, {:.2f}, {:.2f})", number_, places[k].x(),
-                                      places[k].y(), places[k].z()));
-      return;
-    }
+  for (size_t k = 0; k < 2; ++k) {
+    const Vec3& X = k == 0 ? a : b;
+    const auto at = held_place(*sight_->seen, X, k == 0 ? c.side_a : c.side_b);
+    if (!at)
+      return problems_.push_back(
+          fmt::format("command {}: no such face is at ({:.2f}, {:.2f}, {:.2f})", number_, X.x(), X.y(), X.z()));
+    now[k] = *at;
+  }
   control(ControlSample::select_tool, Tool::suture_deep);
   go(in_world(now[0] + set_.hover_mm * sight_->body().chart_normal()));
   go(in_world(now[0])), hold(in_world(now[0]), set_.corner_pause_s);
@@ -315,6 +394,67 @@ void SurgeonPlan::plan(const InSpace& c) {
   go(in_world(now[1])), hold(in_world(now[1]), set_.corner_pause_s);
   mark(Step::let_go);
   rise(in_world(now[1]));
+}
+
+/// Acts at places in space: what a hand does on the chart it does there as well.
+void SurgeonPlan::plan(const InSpace& c) {
+  const std::vector<Vec3> places = places_of(c);
+  const auto no_gesture = [&](const char* why) {
+    problems_.push_back(fmt::format("command {}: {} is no gesture", number_, why));
+  };
+  if (has_texture_places(c)) return no_gesture("a place by the texture");
+  if (const auto* s = std::get_if<Suture>(&c.act); s && (s->side_a != HeldSide::skin || s->side_b != HeldSide::skin)) {
+    if (s->depth_mm > 0) return no_gesture("a buried stitch in cut faces");
+    return deep_stitch(*s, places[0], places[1]);
+  }
+  if (const auto* h = std::get_if<SetHook>(&c.act); h && h->side != HeldSide::skin)
+    return no_gesture("a hook in a cut face");
+  if (const auto* t = std::get_if<SutureBite>(&c.act);
+      t && (t->depth_mm > 0 || t->side_a != HeldSide::skin || t->side_b != HeldSide::skin))
+    return no_gesture("a bite in a wall");
+  for (const Vec3& X : places)
+    if (!reachable(X)) return;
+  const auto choose = [&](Tool tool, std::array<double, 4> value = {}) {
+    control(ControlSample::select_tool, tool, value);
+  };
+  std::visit(
+      [&]<class A>(const A& a) {
+        if constexpr (std::is_same_v<A, Incise>) {
+          choose(Tool::scalpel, {a.depth_mm, a.angle_deg, 0, 0});
+          stroke_in_space(places, {}, false);
+        } else if constexpr (std::is_same_v<A, Undermine> || std::is_same_v<A, Excise>) {
+          choose(std::is_same_v<A, Excise> ? Tool::excise : Tool::undermine, {a.depth_mm, 90, 0, 0});
+          stroke_in_space(places, {}, true);
+        } else if constexpr (std::is_same_v<A, ExcisePiece>) {
+          choose(Tool::excise);
+          tap(at_rest(places[0]));
+        } else if constexpr (std::is_same_v<A, SetHook>) {
+          set_hook(a.id, at_rest(places[0]));
+        } else if constexpr (std::is_same_v<A, Suture>) {
+          a.depth_mm > 0 ? choose(Tool::suture_buried, {a.depth_mm}) : choose(Tool::suture);
+          sew(at_rest(places[0]), at_rest(places[1]));
+        } else if constexpr (std::is_same_v<A, SutureBite>) {
+          choose(Tool::suture_bites);
+          sew(at_rest(places[0]), at_rest(places[1]));
+        } else if constexpr (std::is_same_v<A, SutureCorner>) {
+          sew_corner(at_rest(places[1]), at_rest(places[0]), at_rest(places[2]), a.depth_mm);
+        } else if constexpr (std::is_same_v<A, SutureRow>) {
+          const bool buried = a.depth_mm > 0 && !a.running;
+          choose(buried      ? Tool::suture_row_buried
+                 : a.running ? Tool::suture_running
+                             : Tool::suture_row,
+                 {buried ? a.depth_mm : 0, 0, a.spacing_mm, 0});
+          const auto middle = places.begin() + long(a.a.size());
+          stroke_in_space({places.begin(), middle}, {}, false);
+          stroke_in_space({middle, places.end()}, {}, false);
+        } else if constexpr (std::is_same_v<A, CutSuture>) {
+          choose(Tool::scissors);
+          tap(at_rest(places[0]));
+        } else {
+          no_gesture("a row between two stitches");
+        }
+      },
+      c.act);
 }
 
 void SurgeonPlan::plan(const Mark& c) {
@@ -339,11 +479,7 @@ void SurgeonPlan::plan(const CutSuture& c) {
   if (!s && !reachable(c.which.at)) return;
   const Aim aim = s ? in_world(0.5 * (s->a_mm + s->b_mm).cast<double>()) : on_skin(c.which.at);
   control(ControlSample::select_tool, Tool::scissors);
-  go_down(aim, set_.hover_mm);
-  mark(Step::press);
-  hold(aim, set_.corner_pause_s);
-  mark(Step::let_go);
-  rise(aim);
+  tap(aim);
 }
 
 void SurgeonPlan::plan(const Undo&) {

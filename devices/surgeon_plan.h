@@ -6,6 +6,7 @@
 
 #include "devices/emulator.h"
 #include "devices/skin_chart.h"
+#include "sim/body/skin_view.h"
 
 namespace limberg {
 
@@ -17,14 +18,17 @@ struct Sight {
 
   bool open() const { return seen && seen->topology && seen->x_mm.size() == seen->topology->view.X_mm.size(); }
   SkinTouch skin_at(const ChartPoint& c, double slack_mm) const { return chart.at(*seen, c, slack_mm); }
+  SkinTouch skin_at(const Vec3& X_mm) const { return SkinChart::at_rest(*seen, X_mm, kOffSkin_mm); }
   const HookState* hook(int id) const;
   const Body& body() const { return *seen->topology->body; }
 };
 
 /// Where the tip should be.
 struct Aim {
-  enum Kind { skin, world, handle, here } kind = here;  // here: where the tip is when the step begins
+  // rest: on the skin that lies nearest at rest; here: where the tip is when the step begins
+  enum Kind { skin, rest, world, handle, here } kind = here;
   ChartPoint chart{0, 0};
+  Vec3 rest_mm = Vec3::Zero();
   Vec3 world_mm = Vec3::Zero();
   int hook = 0;
   double height_mm = 0;  // above that place
@@ -34,7 +38,9 @@ struct Step {
   enum Kind { go, draw, hold, press, let_go, choose, next_command } kind = hold;
   Aim aim;                       // go, hold
   double seconds = 0;            // go: 0 = by speed
-  std::vector<ChartPoint> path;  // draw
+  std::vector<ChartPoint> path;  // draw: on the chart ...
+  std::vector<Vec3> rest_path;   // ... or at rest in space
+  std::vector<Vec3> shaft;       // draw at rest: the handle's direction at each of its points; empty: as it comes
   std::vector<double> length;    // draw: along the path, from 0
   double angle_deg = 90;         // draw
   ControlSample control;         // choose
@@ -63,15 +69,24 @@ class SurgeonPlan {
   void go_down(const Aim& target, double hover_mm);
   void rise(const Aim& from);
   void stroke(const std::vector<ChartPoint>& points, bool closed, double angle_deg);
+  /// The same over places in space, with the handle held along `shafts`, one for each; empty: as it comes.
+  void stroke_in_space(const std::vector<Vec3>& places, const std::vector<Vec3>& shafts, bool closed);
   void stroke_command(Tool tool, const std::vector<ChartPoint>& path, bool closed, double depth_mm, double angle_deg);
-  void sew(const ChartPoint& a, const ChartPoint& b);
   void let_go_unless_moved_next(const Aim& from);
   bool reachable(const ChartPoint& c);
+  bool reachable(const Vec3& X_mm);
+  void deep_stitch(const Suture& c, const Vec3& a, const Vec3& b);
+  void sew(const Aim& a, const Aim& b);
+  void sew_corner(const Aim& a, const Aim& tip, const Aim& b, double depth_mm);
+  void set_hook(int id, const Aim& at);
+  void tap(const Aim& at);
 
   void plan(const Incise& c);
   void plan(const InciseMore& c);
   void plan(const Undermine& c);
   void plan(const Excise& c);
+  void plan(const ExcisePiece& c);
+  void plan(const CutThrough& c);
   void plan(const SetHook& c);
   void plan(const MoveHook& c);
   void plan(const ReleaseHook& c);

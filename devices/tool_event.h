@@ -43,8 +43,11 @@ struct ToolEvent {
   double chart_x = 0, chart_y = 0;  // the touched skin point, rest chart mm
   double world_mm[3]{};
   double rest_mm[3]{};  // the touched place at rest
+  // At rest, unit: out of the skin there; of a cut right through, the way from the blade to the hand.
+  double out[3]{0, 0, 1};
   double seen_mm[3]{};  // and where it was, as the hand was shown it
   double quat[4]{1, 0, 0, 0};
+  // angle_deg of a cut right through: 0 where the blade goes as it is held, else across the skin
   double depth_mm = 0, angle_deg = 90, spacing_mm = 0;
   int32_t id = 0;    // hook id, or stage number
   int32_t hand = 0;  // 0 stylus, 1 glove

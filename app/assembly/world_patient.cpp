@@ -6,6 +6,7 @@
 #include <new>
 #include <tuple>
 
+#include "sim/cutting/strokes/free_margin.h"
 #include "sim/patient/soft_tissue.h"
 #include "sim/skull/head/head.h"
 
@@ -22,6 +23,22 @@ double depth_of(const Command& c) {
 }
 
 }  // namespace
+
+// A touched place lies on a facet of the cut surface, which may run a little below the skin of the body.
+bool WorldPatient::chart_means(const ChartPoint& place, const Vec3& X_mm) const {
+  constexpr double kSame_mm = 0.5;
+  const auto hit = world_.skin()->skin_at_rest().at(place);
+  return hit && (hit->X_mm - X_mm).norm() <= kSame_mm;
+}
+
+Vec3 WorldPatient::normal(const Vec3& X_mm) const { return world_.skin()->skin_at_rest().frame(X_mm).normal; }
+
+// A hand stops short of a margin, or rolls over it: a lip's red is some 8 mm from skin to crest, and half of it is turned
+// away.
+bool WorldPatient::margin_beyond(const Vec3& X_mm, const Vec3& out, const Vec3& way) const {
+  constexpr double kReach_mm = 5;
+  return limberg::margin_beyond(world_.skin()->skin_at_rest(), X_mm, out, way, kReach_mm);
+}
 
 void WorldPatient::fill_lattice(LatticeShown& out) const {
   if (!world_.skin()) {

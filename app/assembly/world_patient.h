@@ -5,7 +5,7 @@
 
 namespace limberg {
 
-class WorldPatient final : public Patient {
+class WorldPatient final : public Patient, private HandGround {
  public:
   WorldPatient(World& world, double max_depth_mm) : world_(world), max_depth_mm_(max_depth_mm) {}
   /// Refuses cuts deeper than the scene allows; everything else is World's own judgement.
@@ -13,6 +13,7 @@ class WorldPatient final : public Patient {
   StepReport step(const StepSettings& s) override { return world_.step(s); }
   bool settled() const override { return world_.settled(); }
   bool press(const PressQuestion& q, PressAnswer& a) override { return a = world_.press(q), a.stiffness_N_mm > 0; }
+  const HandGround* ground() const override { return world_.skin() ? this : nullptr; }
   void fill(Snapshot& s) const override { world_.fill(s); }
   void fill_with_field(Snapshot& s) const override { world_.fill(s, true); }
   int pieces_of_bone() const override;
@@ -22,6 +23,10 @@ class WorldPatient final : public Patient {
   uint64_t state_hash() const override { return world_.state_hash(); }
 
  private:
+  bool chart_means(const ChartPoint& place, const Vec3& X_mm) const override;
+  Vec3 normal(const Vec3& X_mm) const override;
+  bool margin_beyond(const Vec3& X_mm, const Vec3& out, const Vec3& way) const override;
+
   World& world_;
   double max_depth_mm_;
   mutable LatticeShown lattice_;  // its edges, while they hold

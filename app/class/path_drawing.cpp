@@ -25,6 +25,7 @@ struct ToolColour {
 ToolColour colour_of(Tool t) {
   switch (t) {
     case Tool::scalpel:
+    case Tool::scalpel_through:
     case Tool::excise:
     case Tool::saw:
       return {"#c2410c", "cut"};

@@ -25,6 +25,7 @@
 #include "app/result/progress.h"
 #include "app/result/schema.h"
 #include "app/session/workers_pool.h"
+#include "app/teaching/plan_ground.h"
 #include "app/teaching/saw_watch.h"
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
@@ -181,14 +182,18 @@ std::string of_another(const FoundSession& s, const Against& a, const std::strin
 }
 
 /// Where the plan's cuts of bone run, on the head as it was before: lines that were sawn by hand are held against that.
-void know_bone(LessonPlan& plan, const std::string& scene_name, int workers) {
-  if (!plan.bone || scene_name.empty()) return;
+/// And which of its acts in space a hand says on the chart.
+void know_patient(LessonPlan& plan, const std::string& scene_name, int workers) {
+  const bool in_space = std::any_of(plan.acts.begin(), plan.acts.end(),
+                                    [](const PlannedAct& a) { return std::holds_alternative<InSpace>(a.command); });
+  if ((!plan.bone && !in_space) || scene_name.empty()) return;
   Scene scene = open_scene(scene_name);
   if (scene.head) scene.head->face = false, scene.head->tissues.clear(), scene.head->face_landmarks.clear();
   WorkersPool pool(workers);
   Snapshot before;
   make_world(scene, pool)->fill(before);
-  if (before.topology) find_lines_on_bone(plan, *before.topology);
+  if (before.topology && plan.bone) find_lines_on_bone(plan, *before.topology);
+  say_on_chart(plan, before);
 }
 
 ClassRow row_of(ClassMember member, const LessonPlan& plan, bool expert) {
@@ -353,7 +358,7 @@ int run_class(const ClassOptions& o) {
   page.w = o.common.words();
   page.plan = make_lesson_plan(page.lesson, against.script);
   const std::string scene = against.lesson ? against.lesson->scene : commonest;
-  know_bone(page.plan, scene, o.common.worker_count());
+  know_patient(page.plan, scene, o.common.worker_count());
   Measuring measuring(o, against, students.size() + (expert ? 1 : 0));
   size_t number = 0, measured_ones = 0;
   if (expert) {
@@ -361,7 +366,7 @@ int run_class(const ClassOptions& o) {
     if (m) {
       if (page.plan.acts.empty()) {
         page.plan = make_lesson_plan(page.lesson, acts_of(*m).command);
-        know_bone(page.plan, scene, o.common.worker_count());
+        know_patient(page.plan, scene, o.common.worker_count());
       }
       m->name = "expert";
       page.rows.push_back(row_of(std::move(*m), page.plan, true));

@@ -178,7 +178,7 @@ std::optional<std::string> of_recording(const FoundSession& session, const Class
   Channels* channels = nullptr;
   AssemblyOptions o;
   o.workers = how.workers;
-  o.progressive_cut = call.progressive_cut, o.threads_slip = call.threads_slip;
+  o.progressive_cut = call.progressive_cut, o.threads_slip = call.threads_slip, o.in_space = call.in_space;
   o.watch = [&](const World& world, const Command* act, double t_s, const HandState* hands) {
     if (act)
       watcher.act(t_s);

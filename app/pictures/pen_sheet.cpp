@@ -44,7 +44,8 @@ void tube(PropMesh& mesh, const std::vector<Vec3f>& way, const PropLook& look = 
 
 /// A stroke of it is a line on what it touches. Scissors are drawn too, but begin at a stitch or an edge.
 bool is_drawn(Tool t) {
-  return t == Tool::scalpel || t == Tool::undermine || t == Tool::excise || t == Tool::saw || sews_along(t);
+  return t == Tool::scalpel || t == Tool::scalpel_through || t == Tool::undermine || t == Tool::excise ||
+         t == Tool::saw || sews_along(t);
 }
 
 }  // namespace

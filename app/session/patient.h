@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "app/session/lattice_shown.h"
+#include "devices/hand_ground.h"
 #include "sim/commands/command.h"
 #include "sim/fem/solver/elastic_solver.h"
 #include "sim/patient/press.h"
@@ -23,6 +24,8 @@ class Patient {
   virtual void fill_with_field(Snapshot& snapshot) const { fill(snapshot); }
   /// How stiff it is against a tool that presses (sim/patient/press.h). Asking changes nothing. False: it cannot tell.
   virtual bool press(const PressQuestion&, PressAnswer&) { return false; }
+  /// What its body knows of touched places; null: no body of skin. Lives as long as the patient.
+  virtual const HandGround* ground() const { return nullptr; }
   /// How many pieces of bone there are; -1: it has no bone.
   virtual int pieces_of_bone() const { return -1; }
   /// The lattice, where the patient has one.

@@ -189,18 +189,55 @@ std::optional<Offs> row_against(const Words& w, const SutureRow& want, const Sut
   return offs;
 }
 
-double most_apart(const std::vector<Vec3>& p, const std::vector<Vec3>& q) {
-  double far = 0;
-  for (size_t i = 0; i < p.size(); ++i) far = std::max(far, (p[i] - q[i]).norm());
+double off_path(const Vec3& p, const std::vector<Vec3>& path) {
+  double far = (p - path.front()).norm();
+  for (size_t i = 0; i + 1 < path.size(); ++i) {
+    const Vec3 way = path[i + 1] - path[i];
+    const double t = std::clamp((p - path[i]).dot(way) / std::max(way.squaredNorm(), 1e-12), 0.0, 1.0);
+    far = std::min(far, (path[i] + t * way - p).norm());
+  }
   return far;
 }
-/// Acts whose places are in space: place by place, in either direction.
-std::optional<Offs> in_space_against(const Words& w, std::vector<Vec3> want, const std::vector<Vec3>& got,
-                                     double may_mm) {
+
+/// How far two lines are apart that are drawn in either direction, ends on ends; a hand's has its own posts.
+double lines_apart(const std::vector<Vec3>& p, const std::vector<Vec3>& q) {
+  if (p.empty() || q.empty()) return 1e9;
+  const auto ends = [](const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+    return std::max((a - c).norm(), (b - d).norm());
+  };
+  double far = std::min(ends(p.front(), p.back(), q.front(), q.back()), ends(p.front(), p.back(), q.back(), q.front()));
+  for (const Vec3& x : p) far = std::max(far, off_path(x, q));
+  for (const Vec3& x : q) far = std::max(far, off_path(x, p));
+  return far;
+}
+
+/// The lines that an act in space runs along: of a row two, of an outline or a cut one, else each place by itself.
+std::vector<std::vector<Vec3>> lines_of(const InSpace& c) {
+  const std::vector<Vec3> places = places_of(c);
+  if (const auto* row = std::get_if<SutureRow>(&c.act)) {
+    const auto middle = places.begin() + std::ptrdiff_t(row->a.size());
+    return {{places.begin(), middle}, {middle, places.end()}};
+  }
+  if (std::holds_alternative<Incise>(c.act) || std::holds_alternative<Undermine>(c.act) ||
+      std::holds_alternative<Excise>(c.act))
+    return {places};
+  std::vector<std::vector<Vec3>> each;
+  for (const Vec3& X : places) each.push_back({X});
+  return each;
+}
+
+/// Acts whose places are in space: line by line, those that have two in either order.
+std::optional<Offs> in_space_against(const Words& w, const std::vector<std::vector<Vec3>>& want,
+                                     std::vector<std::vector<Vec3>> got, double may_mm) {
   if (want.size() != got.size()) return std::nullopt;
-  const double one_way = most_apart(want, got);
-  std::reverse(want.begin(), want.end());
-  const double far = std::min(one_way, most_apart(want, got));
+  const auto apart = [&] {
+    double far = 0;
+    for (size_t k = 0; k < want.size(); ++k) far = std::max(far, lines_apart(want[k], got[k]));
+    return far;
+  };
+  double far = apart();
+  std::reverse(got.begin(), got.end());
+  far = std::min(far, apart());
   return place_against(far, may_mm, 12, w("{:.0f} mm from where it was planned", far));
 }
 
@@ -319,10 +356,10 @@ std::optional<Offs> against(const LessonPlan& plan, const PlannedAct& planned, c
   } else if (const auto* r = std::get_if<SutureRow>(&planned.command)) {
     offs = row_against(w, *r, std::get<SutureRow>(done));
   } else if (const auto* k = std::get_if<CutThrough>(&planned.command)) {
-    offs = in_space_against(w, k->path, std::get<CutThrough>(done).path, plan.within.corner_mm);
+    offs = in_space_against(w, {k->path}, {std::get<CutThrough>(done).path}, plan.within.corner_mm);
   } else if (const auto* x = std::get_if<InSpace>(&planned.command)) {
     const InSpace& d = std::get<InSpace>(done);
-    if (x->act.index() == d.act.index()) offs = in_space_against(w, places_of(*x), places_of(d), kBite_mm);
+    if (x->act.index() == d.act.index()) offs = in_space_against(w, lines_of(*x), lines_of(d), kBite_mm);
   } else if (std::holds_alternative<HeadCommand>(planned.command)) {
     offs = bone_against(w, planned, std::get<HeadCommand>(done));
   } else {

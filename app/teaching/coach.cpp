@@ -7,6 +7,7 @@
 
 #include "app/head/measures.h"
 #include "app/teaching/bite_words.h"
+#include "app/teaching/plan_ground.h"
 #include "app/teaching/why_missed.h"
 #include "sim/commands/kinds.h"
 #include "sim/commands/script.h"
@@ -52,6 +53,13 @@ struct ToolFor {
   using May = std::optional<Tool>;
   May operator()(const Incise&) const { return Tool::scalpel; }
   May operator()(const Excise&) const { return Tool::excise; }
+  May operator()(const ExcisePiece&) const { return Tool::excise; }
+  May operator()(const CutThrough& c) const { return c.from_bed ? std::nullopt : May(Tool::scalpel_through); }
+  May operator()(const InSpace& c) const {
+    const auto* s = std::get_if<Suture>(&c.act);
+    if (s && (s->side_a != HeldSide::skin || s->side_b != HeldSide::skin)) return Tool::suture_deep;
+    return std::visit(*this, c.act);
+  }
   May operator()(const Undermine&) const { return Tool::undermine; }
   May operator()(const SetHook&) const { return Tool::hook; }
   May operator()(const MoveHook&) const { return Tool::hook; }
@@ -394,9 +402,10 @@ void Coach::tell_bites(const Snapshot& s) {
 
 void Coach::look(const Snapshot& s, const HandSeen& hand) {
   t_s_ = std::max(t_s_, double(s.device_tick) * 1e-3);
-  if (plan_.bone && !lines_known_ && has_surface(s)) {
+  if (!lines_known_ && has_surface(s)) {
     lines_known_ = true;
-    find_lines_on_bone(plan_, *s.topology);
+    if (plan_.bone) find_lines_on_bone(plan_, *s.topology);
+    say_on_chart(plan_, s);
   }
   sutures_ = s.sutures, sewing_ = s.sewn.thread != 0;
   if (hand.tool.pressed || hand.showing || hand.tool.tool != tool_) active_s_ = t_s_;

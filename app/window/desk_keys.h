@@ -16,23 +16,27 @@ namespace limberg {
 
 struct DeskTool {
   Tool tool = Tool::none;
-  int32_t key = 0;  // a digit
+  int32_t key = 0;  // a digit, or a letter that no other line has
   bool shift = false;
   const char* name = "";
   const char* help = "";    // what the hand does
   const char* action = "";  // what comes of it, as the table of acts has it; empty: no sliders
 };
-inline constexpr std::array<DeskTool, 20> kDeskTools{
+inline constexpr std::array<DeskTool, 21> kDeskTools{
     {{Tool::none, '1', false, english("Look around"), english("The left button turns the view.")},
      {Tool::marker, '1', true, english("Marker pen"),
       english("Draw on the skin; the line is measured and goes with the skin.")},
      {Tool::scalpel, '2', false, english("Scalpel"), english("Press on the skin, draw, let go: a cut along the way."),
       "incise"},
+     {Tool::scalpel_through, 'Q', false, english("Scalpel, right through"),
+      english(
+          "Press on a lip, a lid or an ear, draw, let go: the cut comes out on the other side, and over the margin.")},
      {Tool::swab, '2', true, english("Swab"),
       english("Shows the bed under a flap while it is held. Pressed and drawn it wipes the pen off.")},
      {Tool::undermine, '3', false, english("Undermine"), english("Draw once round what is to come off its bed."),
       "undermine"},
-     {Tool::excise, '4', false, english("Excise"), english("Draw once round what is to be taken away."), "excise"},
+     {Tool::excise, '4', false, english("Excise"),
+      english("Draw once round what is to be taken away, or press on a piece that is loose."), "excise"},
      {Tool::hook, '5', false, english("Hook"),
       english("Press on the skin and carry it. Press at its handle to carry it on.")},
      {Tool::hook_out, '5', true, english("Hook out"), english("Press at a hook or at its handle: it is taken out.")},

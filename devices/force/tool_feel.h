@@ -37,6 +37,7 @@ inline ToolFeel feel_of(Tool tool, double scalpel_puncture_N, double scalpel_cut
   ToolFeel f;
   switch (tool) {
     case Tool::scalpel:
+    case Tool::scalpel_through:
     case Tool::excise:
       f.puncture_N = scalpel_puncture_N, f.cutting_N = scalpel_cutting_N;
       f.draw_N_mm = kSkin_N_mm * sliced(1);

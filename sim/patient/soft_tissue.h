@@ -74,6 +74,8 @@ class SoftTissue {
 
   // For measurement (sim/measure).
   const WorldSpec& spec() const { return tissue_.spec(); }
+  /// Of the body as it came, at rest.
+  const Skin& skin_at_rest() const { return tissue_.skin(); }
   const ElasticSolver& solver() const { return tissue_.solver(); }
   const Arrangement* arrangement() const { return tissue_.arrangement(); }  // null when the scene cannot be cut
   std::shared_ptr<const LatticeTopology> lattice() const { return tissue_.version().lattice; }

@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "devices/stroke_path.h"
 #include "tests/devices/samples.h"
 
@@ -120,6 +123,47 @@ TEST(StrokePath, NothingAndNonsense) {
     for (const Vec2& v : simplify_path(p)) ASSERT_TRUE(v.allFinite());
     for (const Vec2& v : simplify_outline(p)) ASSERT_TRUE(v.allFinite());
   }
+}
+
+TEST(StrokePath, InSpaceALineOnARoundBodyStaysOnIt) {
+  // A cylinder of radius 30 about x; its normals on the way from -40 to 40 degrees.
+  std::vector<Vec3> points, normals;
+  for (int i = 0; i <= 80; ++i) {
+    const double a = (i - 40) * std::numbers::pi / 180;
+    normals.emplace_back(0, std::sin(a), std::cos(a));
+    points.emplace_back(0.1 * i, 30 * std::sin(a), 30 * std::cos(a));
+  }
+  const std::vector<Vec3> path = simplify_in_space(points, normals, false);
+  ASSERT_GE(path.size(), 2u);
+  const double within = PathSettings{}.tolerance_mm;  // an end is its foot on the line of its edge
+  EXPECT_LT((path.front() - points.front()).norm(), within);
+  EXPECT_LT((path.back() - points.back()).norm(), within);
+  for (const Vec3& p : path) {
+    double off = 1e9;
+    for (const Vec3& q : points) off = std::min(off, (p - q).norm());
+    EXPECT_LT(off, 0.5) << p.transpose();  // half a step along, and the tolerance of the fit across
+  }
+}
+
+TEST(StrokePath, InSpaceIsThatOfThePlaneWhicheverWayThePlaneLies) {
+  std::vector<Vec2> flat;
+  for (int i = 0; i <= 40; ++i) flat.emplace_back(0.25 * i, 0);
+  for (int i = 1; i <= 40; ++i) flat.emplace_back(10, 0.25 * i);
+  const std::vector<Vec2> want = simplify_path(flat);
+  ASSERT_EQ(want.size(), 3u);
+  for (const Vec3& n : {Vec3(0, 0, 1), Vec3(1, 2, -3), Vec3(0, -1, 0.2)}) {
+    const Vec3 up = n.normalized(), e1 = up.unitOrthogonal(), e2 = up.cross(e1);
+    std::vector<Vec3> points;
+    for (const Vec2& p : flat) points.push_back(Vec3(5, 6, 7) + p.x() * e1 + p.y() * e2);
+    const std::vector<Vec3> path = simplify_in_space(points, std::vector<Vec3>(points.size(), up), false);
+    ASSERT_EQ(path.size(), 3u);
+    for (size_t i = 0; i < 3; ++i)
+      EXPECT_LT((path[i] - (Vec3(5, 6, 7) + want[i].x() * e1 + want[i].y() * e2)).norm(), 1e-9);
+  }
+  // Normals that cancel leave a plane that is as good as another; one point is itself.
+  const std::vector<Vec3> two{Vec3(0, 0, 0), Vec3(10, 0, 0)};
+  EXPECT_EQ(simplify_in_space(two, {Vec3::UnitZ(), -Vec3::UnitZ()}, false).size(), 2u);
+  EXPECT_EQ(simplify_in_space({Vec3(1, 2, 3)}, {Vec3::UnitZ()}, false).size(), 1u);
 }
 
 }  // namespace test_stroke_path

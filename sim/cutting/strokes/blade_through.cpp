@@ -7,6 +7,7 @@
 #include "sim/body/skin.h"
 #include "sim/cutting/arrangement/tri_tests.h"
 #include "sim/cutting/strokes/blade_parts.h"
+#include "sim/cutting/strokes/free_margin.h"
 #include "sim/cutting/strokes/sheet_overlap.h"
 
 namespace limberg {
@@ -82,8 +83,9 @@ struct Section {
 /// what hangs together with the last ruling in their common plane is followed, and what else the blade meets there has
 /// no seed.
 /// `on_bed`: the blade stays below where the last ruling begins.
-std::vector<Ruling> over_margin(const Skin& skin, const Ruling& last, const Vec3& way, double margin, bool on_bed) {
-  const Section section(skin, last, way, kMarginReach_mm);
+std::vector<Ruling> over_margin(const Skin& skin, const Ruling& last, const Vec3& way, double margin, bool on_bed,
+                                double reach_mm = kMarginReach_mm) {
+  const Section section(skin, last, way, reach_mm);
   using Stretch = std::pair<double, double>;
   std::vector<std::vector<char>> part;  // of each column, which stretches belong to it
   for (const auto& c : section.column) part.emplace_back(c.size(), char(0));
@@ -267,6 +269,11 @@ BladeResult build_through(const BladeContext& c, const Skin& skin, const Through
     return {std::move(blade), {}};
   }
   return refuse(why);
+}
+
+bool margin_beyond(const Skin& skin, const Vec3& X_mm, const Vec3& out, const Vec3& way, double reach_mm) {
+  const auto from = ruling_at(skin, X_mm, out, kOffSkin_mm);
+  return from && !over_margin(skin, *from, way, 0, false, reach_mm).empty();
 }
 
 }  // namespace limberg
