@@ -10,10 +10,10 @@ namespace limberg {
 
 namespace {
 
-constexpr double kPiece_mm = 5;        // of a stroke, told at once
-constexpr double kBehind_mm = 2.5;     // what lies this near to the hand may still turn out to be a corner
-constexpr double kShortestRow_mm = 1;  // of an edge that is sewn: in the point of a V two stitches lie that near
-constexpr double kBlade_mm = 2;        // of a cut right through, the blade's direction is the mean over so far each way
+constexpr double kPiece_mm = 5;          // of a stroke, told at once
+constexpr double kBehind_mm = 2.5;       // what lies this near to the hand may still turn out to be a corner
+constexpr double kShortestRow_mm = 0.3;  // of an edge that is sewn: in the point of a V two stitches lie that near
+constexpr double kBlade_mm = 2;  // of a cut right through, the blade's direction is the mean over so far each way
 
 /// The act at these places in space, which are as many as it has.
 Command in_space(SkinAct act, std::span<const Vec3> places) {
@@ -187,6 +187,7 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
       if (progressive_ && tool == Tool::scalpel && !off_chart_) return draw_on(e);
       return {};
     case ToolEvent::stroke_cancel:
+      if (sews_along(tool) && have_row_a_) have_row_a_ = false, ++dropped_;
       stroke_.clear();
       return {};
     case ToolEvent::stroke_end: {

@@ -108,10 +108,18 @@ void Gestures::touch_where_rested(const Snapshot& s) {
   if (rested.triangle >= 0) touch_ = rested;
 }
 
+/// The same tool with another depth or spacing, as a slider says it.
+bool Gestures::sets_anew(const ControlSample& c) const {
+  return (c.value[kDepth] > 0 ? c.value[kDepth] : g_.default_depth_mm) != depth_mm_ ||
+         (c.value[kSpacing] > 0 ? c.value[kSpacing] : g_.default_spacing_mm) != spacing_mm_;
+}
+
 void Gestures::control(const ControlSample& c, int64_t tick, const Snapshot& s, EventSink& out) {
   switch (c.kind) {
     case ControlSample::select_tool:
       cancel(tick, s, out);
+      if (g_.in_space && sews_along(tool_) && c.tool == tool_ && !sets_anew(c))
+        emit(event(ToolEvent::stroke_cancel, tick, s), out);  // a row that is begun is given up for another
       if (acts_on_bone(tool_) != acts_on_bone(c.tool) || (tool_ == Tool::suture_deep) != (c.tool == Tool::suture_deep))
         touch_ = {};  // another ground
       if (holds_thread(c.tool))

@@ -5,7 +5,8 @@
 //   scalpel_through    the same; the blade goes right through, the way the hand holds it
 //   undermine, excise  the same; the stroke is the outline. Pressed and let go in one place, excise takes out the
 //                      loose piece that is touched
-//   suture_row         two strokes, one along each edge; on the skin that stays nearest along the whole of it
+//   suture_row         two strokes, one along each edge; on the skin that stays nearest along the whole of it. The same
+//                      tool taken again after the first begins anew
 //   suture_running     the same; one thread
 //   hook               press on the skin: a hook is set and follows the hand until the button is let go; press at the
 //                      handle of a hook that stands: it is taken again
@@ -95,6 +96,7 @@ class Gestures {
   void touch_where_rested(const Snapshot& s);
   /// The mean tip of a hand that rests, else the tip.
   Vec3 meant_tip() const;
+  bool sets_anew(const ControlSample& c) const;
   void name_place(const ControlSample& c, int64_t tick, const Snapshot& s, EventSink& out);
   void old_control(const ControlSample& c, int64_t tick, const Snapshot& s, EventSink& out);
   void press_hook(int64_t tick, const Pose& pose, const Snapshot& s, EventSink& out);

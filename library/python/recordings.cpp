@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "app/assembly/bundle.h"
 #include "app/assembly/patient_of_scene.h"
@@ -39,7 +40,9 @@ const char* tool_name(Tool t) {
                                        "suture_bites",
                                        "suture_knot",
                                        "suture_row_buried",
-                                       "suture_deep"};
+                                       "suture_deep",
+                                       "scalpel_through"};
+  static_assert(std::size(kNames) == size_t(kLastTool) + 1);
   return kNames[std::clamp(int(t), 0, int(kLastTool))];
 }
 

@@ -5,6 +5,7 @@
 #include "devices/emulator.h"
 #include "devices/gestures.h"
 #include "sim/commands/script.h"
+#include "sim/geometry/triangle.h"
 #include "tests/devices/flat_patient.h"
 
 namespace limberg {
@@ -222,6 +223,49 @@ TEST(HandTools, ADeepStitchSaysWhichFaceItGoesInto) {
   // Skin on both sides: a stitch like any other.
   h.at(-5, 9, false), h.at(-5, 9, true), h.at(5, 9, true), h.at(5, 9, false);
   EXPECT_NE(h.last<Suture>(), nullptr);
+}
+
+TEST(HandTools, ARowThatIsTakenAgainBeginsAnewAndASliderGoesOnWithIt) {
+  Hand h(slit());
+  h.choose(Tool::suture_row, 0, 3);
+  h.draw(-3, -20, -3, 20);
+  h.choose(Tool::suture_row, 0, 3);  // another row
+  h.draw(-3, 0, -3, 20);
+  EXPECT_EQ(h.last<SutureRow>(), nullptr) << "an edge of the row before was taken for one of this";
+  EXPECT_EQ(h.builder.dropped(), 1);
+  h.choose(Tool::suture_row, 0, 2);  // nearer to each other
+  h.draw(3, 0, 3, 20);
+  const auto* row = h.last<SutureRow>();
+  ASSERT_NE(row, nullptr);
+  EXPECT_EQ(row->spacing_mm, 2);
+  EXPECT_NEAR(row->a.front().y(), 0, 0.5);
+}
+
+TEST(HandTools, OfTwoSheetsAPressMeansTheOneThatIsExactlyNearest) {
+  // A bed of large triangles at 0, and above it a leaf at 1.2 whose corners lie nearer to the tip than the bed's.
+  auto t = std::make_shared<SurfaceTopology>(*flat_topology(12, 1));
+  SurfaceView& view = t->view;
+  const auto n = int32_t(view.X_mm.size());
+  for (const Vec3& X : {Vec3(1, 1, 1.2), Vec3(2, 1, 1.2), Vec3(1, 2, 1.2)}) view.X_mm.push_back(X);
+  view.tri.push_back({n, n + 1, n + 2}), view.kind.push_back(FaceKind::skin);
+  if (!view.rim.empty()) view.rim.push_back(0);
+  const Snapshot s = snapshot_of(t);
+  SurfaceIndex index;
+  index.another(s);
+  const Vec3 tip(1.2, 1.2, 0.4);
+  EXPECT_GT(index.closest(s, tip, -1).distance_mm, 0.5) << "by the nearest vertex: the leaf";
+  EXPECT_NEAR(index.closest_of_all(s, tip).distance_mm, 0.4, 1e-6);
+  // Against every triangle, from many places.
+  for (int i = 0; i < 200; ++i) {
+    const Vec3 p(0.37 * (i % 17) - 3, 0.41 * (i % 13) - 2, 0.09 * (i % 19));
+    double least = 1e9;
+    for (const Tri& k : view.tri)
+      least = std::min(
+          least,
+          (closest_on_triangle(p, view.X_mm[size_t(k[0])], view.X_mm[size_t(k[1])], view.X_mm[size_t(k[2])]).point - p)
+              .norm());
+    EXPECT_NEAR(index.closest_of_all(s, p).distance_mm, least, 1e-5) << p.transpose();
+  }
 }
 
 TEST(HandTools, AHookIsTakenOutWhereItHoldsAndAtItsHandle) {

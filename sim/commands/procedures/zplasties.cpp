@@ -14,9 +14,7 @@ Figure z_plasty(double L, double a_deg, double b_deg) {
   f.exchanged = true;
   f.carries = {{{0, a1}, {0, d}}, {{0, b2}, {0, c}}};
   f.keys = {{{0, a1}, {0, d}}, {{0, b2}, {0, c}}};
-  // That between the flaps first: it lays them flat, where one whose outer edge has rolled under stays so when it is
-  // sewn round before.
-  f.seams = {seam(a1, c, d, b2), seam(b0, a1, b0, d), seam(a0, b2, a0, c)};
+  f.seams = {seam(b0, a1, b0, d), seam(a0, b2, a0, c), seam(a1, c, d, b2)};
   return f;
 }
 
@@ -63,9 +61,9 @@ Figure multiple_z(double length, int count, double angle_deg) {
     f.carries.push_back({{0, b_tip}, {0, c[k]}});
     f.keys.push_back({{0, a_tip}, {0, d[k]}});
     f.keys.push_back({{0, b_tip}, {0, c[k]}});
-    f.seams.push_back(seam(a_tip, c[k], d[k], b_tip));  // lays them flat, as above
     f.seams.push_back(seam(b_above, a_tip, b_outer, d[k]));
     f.seams.push_back(seam(a_below, b_tip, a_outer, c[k]));
+    f.seams.push_back(seam(a_tip, c[k], d[k], b_tip));
   }
   return f;
 }

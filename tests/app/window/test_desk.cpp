@@ -187,7 +187,7 @@ TEST_F(DeskTest, EveryToolHasItsKeyItsRowInThePaletteAndItsWordInTheHelp) {
   EXPECT_EQ(by_key.back().tool, Tool::scissors);
   // Down the palette, row by row: every tool for skin, each once.
   std::vector<ControlSample> by_row;
-  for (float y = 50; y < 374; y += 5) {
+  for (float y = 50; y < 392; y += 5) {
     w.move(60, y), w.button(0, true), w.button(0, false), w.settle(), w.settle();
     w.choices(by_row);
   }
