@@ -282,7 +282,7 @@ void Gestures::begin_stroke(int64_t tick, const Snapshot& s, EventSink& out) {
 void Gestures::bite(const Snapshot& s, EventSink& out, int64_t tick) {
   if (corner_waits_) {
     corner_waits_ = false, state_.bites = 0;
-    const SkinTouch apart = index_.closest_apart(s, meant_tip(), bite_[1], g_.apart_mm);
+    const SkinTouch apart = index_.closest_apart(s, meant_tip(), bite_[1], g_.apart_mm, g_.in_space);
     if (apart.triangle >= 0) touch_ = apart;
     return emit(event(ToolEvent::suture_b, tick, s), out);
   }
@@ -334,7 +334,8 @@ void Gestures::second_bite(int64_t tick, const Snapshot& s, EventSink& out) {
     return emit(event(ToolEvent::suture_cancel, tick, s), out);
   }
   if (tool_ == Tool::suture_deep) return emit_bite(ToolEvent::suture_b, tick, s, out);  // cut faces say where they are
-  if (const SkinTouch apart = index_.closest_apart(s, meant_tip(), bite_[0], g_.apart_mm); apart.triangle >= 0)
+  if (const SkinTouch apart = index_.closest_apart(s, meant_tip(), bite_[0], g_.apart_mm, g_.in_space);
+      apart.triangle >= 0)
     touch_ = apart;
   else if ((touch_.x_mm - bite_[0].x_mm).norm() < SurfaceIndex::kSheetRadius_mm)
     miss(MissedPress::same_edge, tick, out);

@@ -66,21 +66,24 @@ SkinTouch SurfaceIndex::touch(const Snapshot& s, const Place& place) const {
   return touch_at(s, place.triangle, place.bary, std::sqrt(place.distance2));
 }
 
-SkinTouch SurfaceIndex::closest_of_all(const Snapshot& s, const Vec3& p) const {
-  const SkinTouch near = closest(s, p, -1);
-  if (near.triangle < 0) return near;
+SurfaceIndex::Place SurfaceIndex::nearer(const Snapshot& s, const Vec3& p, Place best) const {
   const SurfaceView& view = s.topology->view;
-  Place best{near.triangle, near.bary, near.distance_mm * near.distance_mm};
   for (const int32_t t : of(s).triangle) {
     const Tri& k = view.tri[size_t(t)];
     const Vec3 a = float_at(s, k[0]).cast<double>(), b = float_at(s, k[1]).cast<double>(),
                c = float_at(s, k[2]).cast<double>();
     const Vec3 beside = (a.cwiseMin(b).cwiseMin(c) - p).cwiseMax(p - a.cwiseMax(b).cwiseMax(c)).cwiseMax(0);
-    if (beside.squaredNorm() >= best.distance2) continue;
+    if (beside.squaredNorm() >= best.distance2 || marked(s, t)) continue;
     const TrianglePoint at = closest_on_triangle(p, a, b, c);
     if (const double d2 = (at.point - p).squaredNorm(); d2 < best.distance2) best = {t, at.bary, d2};
   }
-  return touch(s, best);
+  return best;
+}
+
+SkinTouch SurfaceIndex::closest_of_all(const Snapshot& s, const Vec3& p) const {
+  const SkinTouch near = closest(s, p, -1);
+  if (near.triangle < 0) return near;
+  return touch(s, nearer(s, p, {near.triangle, near.bary, near.distance_mm * near.distance_mm}));
 }
 
 int32_t SurfaceIndex::nearest_vertex(const Snapshot& s, const Vec3& p_mm, bool unmarked_only) const {
@@ -127,13 +130,19 @@ size_t SurfaceIndex::sheets_near(const Snapshot& s, const Vec3& p_mm, double amo
   return n;
 }
 
-SkinTouch SurfaceIndex::closest_apart(const Snapshot& s, const Vec3& p_mm, const SkinTouch& other, double reach_mm) {
+SkinTouch SurfaceIndex::closest_apart(const Snapshot& s, const Vec3& p_mm, const SkinTouch& other, double reach_mm,
+                                      bool exactly) {
   if (other.triangle < 0) return {};
   mark_sheet(s, other);
   SkinTouch found;
   if (const int32_t v = nearest_vertex(s, p_mm, true); v >= 0) {
     found = touch(s, walk_from_vertex(s, p_mm, v));
     if (found.distance_mm > reach_mm || marked(s, found.triangle)) found = {};
+  }
+  if (exactly) {
+    const double within = found.triangle >= 0 ? found.distance_mm : reach_mm;
+    if (const Place p = nearer(s, p_mm, {found.triangle, found.bary, within * within}); p.triangle >= 0)
+      found = touch(s, p);
   }
   mark_.clear();
   return found;

@@ -67,8 +67,9 @@ class SurfaceIndex {
   size_t sheets_near(const Snapshot& s, const Vec3& p_mm, double among_mm, std::span<SkinTouch> out);
 
   /// The closest skin point to p that does not hang together with `other` nearby (the other bank of a wound, the bed
-  /// under a flap), if it is within `reach_mm`; else triangle -1.
-  SkinTouch closest_apart(const Snapshot& s, const Vec3& p_mm, const SkinTouch& other, double reach_mm);
+  /// under a flap), if it is within `reach_mm`; else triangle -1. `exactly`: O(triangles), as closest_of_all().
+  SkinTouch closest_apart(const Snapshot& s, const Vec3& p_mm, const SkinTouch& other, double reach_mm,
+                          bool exactly = false);
 
   /// Corners of the skin triangles around a touched place, those first that are fewest triangles away, none further
   /// than reach_mm; as many as fit. How many.
@@ -83,6 +84,8 @@ class SurfaceIndex {
     std::array<double, 3> bary{1, 0, 0};
     double distance2 = 1e60;
   };
+  /// The place in any triangle that is nearer to p than `best`; of those that are not marked, where any are.
+  Place nearer(const Snapshot& s, const Vec3& p_mm, Place best) const;
   const GroundIndex& of(const Snapshot& s) const { return s.topology->index(ground_); }
   SkinTouch touch(const Snapshot& s, const Place& place) const;
   Place walk(const Snapshot& s, const Vec3& p_mm, int32_t triangle) const;

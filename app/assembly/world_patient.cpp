@@ -24,17 +24,19 @@ double depth_of(const Command& c) {
 
 }  // namespace
 
-// A touched place lies on a facet of the cut surface, which may run a little below the skin of the body.
+// A touched place lies on a facet of the cut surface, which may run a little below the skin of the body. Of skin that
+// is seen too obliquely a hundredth of a millimetre on the chart may be one of a lip's whole margin.
 bool WorldPatient::chart_means(const ChartPoint& place, const Vec3& X_mm) const {
   constexpr double kSame_mm = 0.5;
-  const auto hit = world_.skin()->skin_at_rest().at(place);
-  return hit && (hit->X_mm - X_mm).norm() <= kSame_mm;
+  const Skin& skin = world_.skin()->skin_at_rest();
+  const auto hit = skin.at(place);
+  return hit && (hit->X_mm - X_mm).norm() <= kSame_mm && hit->normal.dot(skin.body().chart_normal()) >= kObliqueView;
 }
 
 Vec3 WorldPatient::normal(const Vec3& X_mm) const { return world_.skin()->skin_at_rest().frame(X_mm).normal; }
 
-// A hand stops short of a margin, or rolls over it: a lip's red is some 8 mm from skin to crest, and half of it is turned
-// away.
+// A hand stops short of a margin, or rolls over it: a lip's red is some 8 mm from skin to crest, and half of it is
+// turned away.
 bool WorldPatient::margin_beyond(const Vec3& X_mm, const Vec3& out, const Vec3& way) const {
   constexpr double kReach_mm = 5;
   return limberg::margin_beyond(world_.skin()->skin_at_rest(), X_mm, out, way, kReach_mm);

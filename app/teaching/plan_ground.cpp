@@ -18,7 +18,8 @@ void say_on_chart(LessonPlan& plan, const Snapshot& uncut) {
     for (const Vec3& X : places_of(*act)) {
       const SkinTouch meant = SkinChart::at_rest(uncut, X, kOffSkin_mm);
       const SkinTouch front = chart.at(uncut, meant.chart, 1e-3);
-      seen &= meant.triangle >= 0 && front.triangle >= 0 && (front.X_mm - meant.X_mm).norm() <= kSame_mm;
+      seen &= meant.triangle >= 0 && front.triangle >= 0 && (front.X_mm - meant.X_mm).norm() <= kSame_mm &&
+              front.N.dot(uncut.topology->body->chart_normal()) >= kObliqueView;
       points.push_back(meant.chart);
     }
     if (!seen) continue;

@@ -255,6 +255,20 @@ TEST(HandTools, OfTwoSheetsAPressMeansTheOneThatIsExactlyNearest) {
   const Vec3 tip(1.2, 1.2, 0.4);
   EXPECT_GT(index.closest(s, tip, -1).distance_mm, 0.5) << "by the nearest vertex: the leaf";
   EXPECT_NEAR(index.closest_of_all(s, tip).distance_mm, 0.4, 1e-6);
+  // The other side of a stitch that began on the bed: of the leaf and a large sheet at 0.9, the sheet.
+  auto three = std::make_shared<SurfaceTopology>(*t);
+  const auto m = int32_t(three->view.X_mm.size());
+  for (const Vec3& X : {Vec3(-30, -30, 0.9), Vec3(30, -30, 0.9), Vec3(0, 40, 0.9)}) three->view.X_mm.push_back(X);
+  three->view.tri.push_back({m, m + 1, m + 2}), three->view.kind.push_back(FaceKind::skin);
+  three->version = 2;
+  const Snapshot with_sheet = snapshot_of(three);
+  SurfaceIndex of_three;
+  of_three.another(with_sheet);
+  const Vec3 above(1.2, 1.2, 0.5);
+  const SkinTouch bed = of_three.closest(with_sheet, Vec3(0, 0, 0), -1);
+  EXPECT_NEAR(of_three.closest_apart(with_sheet, above, bed, 1.5).distance_mm, 0.7, 1e-6);
+  EXPECT_NEAR(of_three.closest_apart(with_sheet, above, bed, 1.5, true).distance_mm, 0.4, 1e-6);
+  EXPECT_EQ(of_three.closest_apart(with_sheet, above, bed, 0.3, true).triangle, -1);
   // Against every triangle, from many places.
   for (int i = 0; i < 200; ++i) {
     const Vec3 p(0.37 * (i % 17) - 3, 0.41 * (i % 13) - 2, 0.09 * (i % 19));
