@@ -28,9 +28,9 @@ inline constexpr std::array<DeskTool, 21> kDeskTools{
       english("Draw on the skin; the line is measured and goes with the skin.")},
      {Tool::scalpel, '2', false, english("Scalpel"), english("Press on the skin, draw, let go: a cut along the way."),
       "incise"},
-     {Tool::scalpel_through, 'Q', false, english("Scalpel, right through"),
-      english(
-          "Press on a lip, a lid or an ear, draw, let go: the cut comes out on the other side, and over the margin.")},
+     {Tool::scalpel_through, 'Q', false, english("Right through"),
+      english("Scalpel: press on a lip, a lid or an ear, draw, let go. It comes out on the other side, and over the "
+              "margin.")},
      {Tool::swab, '2', true, english("Swab"),
       english("Shows the bed under a flap while it is held. Pressed and drawn it wipes the pen off.")},
      {Tool::undermine, '3', false, english("Undermine"), english("Draw once round what is to come off its bed."),
