@@ -202,7 +202,8 @@ TEST_F(FaceLook, MistakesAreNamed) {
   // Of no area, in space and in the picture: nothing to complain of, and nothing to divide by.
   write("thin.obj", "v 0 0 0\nv 0 0 0\nv 50 0 0\nvt 0 0\nvt 0 0\nvt 9 -9\nf 1/1 2/2 3/3\nf 1/1 1/1 1/1\n");
   EXPECT_EQ(why("face_texture = \"thin.obj\"\nface_picture = \"photo.png\"\n"), "");
-  for (const auto& corners : shown(scene("face_texture = \"thin.obj\"\nface_picture = \"photo.png\"\n"))->view.uv)
+  const auto thin = shown(scene("face_texture = \"thin.obj\"\nface_picture = \"photo.png\"\n"));
+  for (const auto& corners : thin->view.uv)
     for (const Eigen::Vector2f& uv : corners) ASSERT_TRUE(uv.allFinite());
 }
 
