@@ -24,7 +24,7 @@ Command in_space(SkinAct act, std::span<const Vec3> places) {
   return c;
 }
 
-/// `chart` where the places on the chart say enough, else the same in space.
+/// `act`, where its places on the chart say enough, else the same act at `places`.
 template <class A>
 Command placed(A act, std::span<const Vec3> places, bool on_chart) {
   return on_chart ? Command(std::move(act)) : in_space(SkinAct(std::move(act)), places);
@@ -52,7 +52,10 @@ bool CommandBuilder::on_chart(const Drawn& d) const {
 }
 
 CommandBuilder::Way CommandBuilder::meant(const Drawn& d, bool outline, bool in_space) const {
-  if (in_space) return {{}, simplify_in_space(d.X_mm, d.out, outline, path_)};
+  if (in_space) {
+    std::vector<Vec3> X = simplify_in_space(d.X_mm, d.out, outline, path_);
+    return {std::vector<ChartPoint>(X.size(), ChartPoint(0, 0)), std::move(X)};
+  }
   return {outline ? simplify_outline(d.chart, path_) : simplify_path(d.chart, path_), {}};
 }
 
@@ -77,7 +80,6 @@ std::optional<Command> CommandBuilder::row_with(Drawn b, const ToolEvent& e) {
   }
   std::vector<Vec3> places = ways[0].X_mm;
   places.insert(places.end(), ways[1].X_mm.begin(), ways[1].X_mm.end());
-  for (Way& w : ways) w.chart.resize(w.size(), ChartPoint(0, 0));
   const Tool tool = Tool(e.tool);
   return placed(SutureRow{std::move(ways[0].chart), std::move(ways[1].chart), e.spacing_mm,
                           tool == Tool::suture_row_buried ? e.depth_mm : 0, tool == Tool::suture_running},
@@ -212,9 +214,8 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
         return placed(ExcisePiece{drawn.chart[0]}, std::span(drawn.X_mm).first(1), !off);
       Way way = meant(drawn, outline, off);
       const double least_mm = sews_along(tool) && ground_ ? kShortestRow_mm : path_.min_edge_mm;
-      if (way.size() < (outline ? 3u : 2u) || way.length_mm() < least_mm) return ++dropped_, std::nullopt;
+      if (way.chart.size() < (outline ? 3u : 2u) || way.length_mm() < least_mm) return ++dropped_, std::nullopt;
       if (sews_along(tool)) return row_with(std::move(drawn), e);
-      way.chart.resize(way.size(), ChartPoint(0, 0));
       if (tool == Tool::excise) return placed(Excise{std::move(way.chart), e.depth_mm}, way.X_mm, !off);
       if (tool == Tool::undermine) return placed(Undermine{std::move(way.chart), e.depth_mm}, way.X_mm, !off);
       if (tool == Tool::scalpel) return placed(Incise{std::move(way.chart), e.depth_mm, e.angle_deg}, way.X_mm, !off);

@@ -48,11 +48,11 @@ class CommandBuilder {
     std::vector<ChartPoint> chart;
     std::vector<Vec3> X_mm, out;
   };
-  /// What was meant by it. X_mm is empty where the chart says enough.
+  /// What was meant by it. X_mm is empty where the chart says enough, else `chart` has as many points that say
+  /// nothing.
   struct Way {
     std::vector<ChartPoint> chart;
     std::vector<Vec3> X_mm;
-    size_t size() const { return X_mm.empty() ? chart.size() : X_mm.size(); }
     double length_mm() const;
   };
   bool on_chart(const Drawn& d) const;

@@ -108,18 +108,15 @@ void Gestures::touch_where_rested(const Snapshot& s) {
   if (rested.triangle >= 0) touch_ = rested;
 }
 
-/// The same tool with another depth or spacing, as a slider says it.
-bool Gestures::sets_anew(const ControlSample& c) const {
-  return (c.value[kDepth] > 0 ? c.value[kDepth] : g_.default_depth_mm) != depth_mm_ ||
-         (c.value[kSpacing] > 0 ? c.value[kSpacing] : g_.default_spacing_mm) != spacing_mm_;
-}
-
 void Gestures::control(const ControlSample& c, int64_t tick, const Snapshot& s, EventSink& out) {
   switch (c.kind) {
-    case ControlSample::select_tool:
+    case ControlSample::select_tool: {
+      const double depth_mm = c.value[kDepth] > 0 ? c.value[kDepth] : g_.default_depth_mm,
+                   spacing_mm = c.value[kSpacing] > 0 ? c.value[kSpacing] : g_.default_spacing_mm;
       cancel(tick, s, out);
-      if (g_.in_space && sews_along(tool_) && c.tool == tool_ && !sets_anew(c))
-        emit(event(ToolEvent::stroke_cancel, tick, s), out);  // a row that is begun is given up for another
+      // A row that is begun is given up for another; a slider only says another depth or spacing.
+      const bool again = c.tool == tool_ && depth_mm == depth_mm_ && spacing_mm == spacing_mm_;
+      if (g_.in_space && sews_along(tool_) && again) emit(event(ToolEvent::stroke_cancel, tick, s), out);
       if (acts_on_bone(tool_) != acts_on_bone(c.tool) || (tool_ == Tool::suture_deep) != (c.tool == Tool::suture_deep))
         touch_ = {};  // another ground
       if (holds_thread(c.tool))
@@ -127,11 +124,11 @@ void Gestures::control(const ControlSample& c, int64_t tick, const Snapshot& s, 
       else if (laid_down_ == kInHand && c.tool != Tool::swab)
         laid_down_ = g_.threads_slip ? tick : kNoThread;
       tool_ = c.tool;
-      depth_mm_ = c.value[kDepth] > 0 ? c.value[kDepth] : g_.default_depth_mm;
+      depth_mm_ = depth_mm, spacing_mm_ = spacing_mm;
       angle_deg_ = c.value[kAngle] > 0 && c.value[kAngle] < 180 ? c.value[kAngle] : 0;
-      spacing_mm_ = c.value[kSpacing] > 0 ? c.value[kSpacing] : g_.default_spacing_mm;
       asked_hook_ = c.value[kHookId] >= 1 && c.value[kHookId] <= 1e6 ? int32_t(c.value[kHookId]) : 0;
       break;
+    }
     case ControlSample::undo:
       cancel(tick, s, out);
       emit(event(ToolEvent::undo, tick, s), out);
@@ -296,16 +293,9 @@ void Gestures::emit_bite(int kind, int64_t tick, const Snapshot& s, EventSink& o
   ToolEvent e = event(kind, tick, s);
   if (tool_ == Tool::suture_deep && s.topology->view.kind[size_t(touch_.triangle)] == FaceKind::wall) {
     constexpr double kInto_mm = 0.2;
-    const auto normal = [&](int32_t t) {
-      const SurfaceView& v = s.topology->view;
-      const Vec3 &a = v.X_mm[size_t(v.tri[size_t(t)][0])], &b = v.X_mm[size_t(v.tri[size_t(t)][1])],
-                 &c = v.X_mm[size_t(v.tri[size_t(t)][2])];
-      return Vec3((b - a).cross(c - a).normalized());
-    };
     const SkinTouch skin = index_.closest(s, touch_.x_mm, -1);
-    const Vec3 n = normal(touch_.triangle);
-    e.side = int32_t(skin.triangle >= 0 ? side_of_face(n, normal(skin.triangle)) : HeldSide::wall);
-    for (int i = 0; i < 3; ++i) e.rest_mm[i] -= kInto_mm * n[i];
+    e.side = int32_t(skin.triangle >= 0 ? side_of_face(touch_.N, skin.N) : HeldSide::wall);
+    for (int i = 0; i < 3; ++i) e.rest_mm[i] -= kInto_mm * touch_.N[i];
   }
   emit(e, out);
 }

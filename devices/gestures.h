@@ -96,7 +96,6 @@ class Gestures {
   void touch_where_rested(const Snapshot& s);
   /// The mean tip of a hand that rests, else the tip.
   Vec3 meant_tip() const;
-  bool sets_anew(const ControlSample& c) const;
   void name_place(const ControlSample& c, int64_t tick, const Snapshot& s, EventSink& out);
   void old_control(const ControlSample& c, int64_t tick, const Snapshot& s, EventSink& out);
   void press_hook(int64_t tick, const Pose& pose, const Snapshot& s, EventSink& out);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "devices/skin_chart.h"
 #include "sim/geometry/triangle.h"
 
 namespace limberg {
@@ -11,19 +12,6 @@ Vec3 corner_at_rest(const SurfaceView& v, size_t t, size_t k) { return v.X_mm[si
 Vec3 normal_at_rest(const SurfaceView& v, size_t t) {
   const Vec3 a = corner_at_rest(v, t, 0);
   return (corner_at_rest(v, t, 1) - a).cross(corner_at_rest(v, t, 2) - a).normalized();
-}
-
-/// The outward normal at rest of the skin that is nearest to a place at rest.
-Vec3 up_at(const SurfaceTopology& t, const Vec3& X) {
-  double best = 1e60;
-  Vec3 up = Vec3::UnitZ();
-  for (size_t i = 0; i < t.view.tri.size(); ++i) {
-    if (!t.is_ground(i, Ground::skin)) continue;
-    const TrianglePoint p = closest_on_triangle(X, corner_at_rest(t.view, i, 0), corner_at_rest(t.view, i, 1),
-                                                corner_at_rest(t.view, i, 2));
-    if (const double d2 = (p.point - X).squaredNorm(); d2 < best) best = d2, up = normal_at_rest(t.view, i);
-  }
-  return up;
 }
 
 }  // namespace
@@ -38,7 +26,7 @@ std::optional<Vec3> held_place(const Snapshot& s, const Vec3& X, HeldSide side) 
   constexpr double kReach_mm = 4;
   if (!has_surface(s)) return std::nullopt;
   const SurfaceTopology& t = *s.topology;
-  const Vec3 up = side == HeldSide::skin ? Vec3(Vec3::UnitZ()) : up_at(t, X);
+  const Vec3 up = side == HeldSide::skin ? Vec3(Vec3::UnitZ()) : SkinChart::at_rest(s, X, 1e30).N;
   std::optional<Vec3> found;
   double best = kReach_mm * kReach_mm, in_tissue = 1;
   for (size_t i = 0; i < t.view.tri.size(); ++i) {

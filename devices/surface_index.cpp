@@ -75,7 +75,9 @@ SurfaceIndex::Place SurfaceIndex::nearer(const Snapshot& s, const Vec3& p, Place
     const Vec3 beside = (a.cwiseMin(b).cwiseMin(c) - p).cwiseMax(p - a.cwiseMax(b).cwiseMax(c)).cwiseMax(0);
     if (beside.squaredNorm() >= best.distance2 || marked(s, t)) continue;
     const TrianglePoint at = closest_on_triangle(p, a, b, c);
-    if (const double d2 = (at.point - p).squaredNorm(); d2 < best.distance2) best = {t, at.bary, d2};
+    Place found{t, at.bary, (at.point - p).squaredNorm()};
+    if (mark_.size() > 0) found = walk(s, p, t);  // beyond the border of a marked sheet it goes on as the same skin
+    if (found.distance2 < best.distance2 && !marked(s, found.triangle)) best = found;
   }
   return best;
 }

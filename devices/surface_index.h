@@ -84,7 +84,8 @@ class SurfaceIndex {
     std::array<double, 3> bary{1, 0, 0};
     double distance2 = 1e60;
   };
-  /// The place in any triangle that is nearer to p than `best`; of those that are not marked, where any are.
+  /// The nearest place to p on the surface, if it is nearer than `best`, else `best`. Sheets that are marked are left
+  /// out, and with them the skin around that leads to them.
   Place nearer(const Snapshot& s, const Vec3& p_mm, Place best) const;
   const GroundIndex& of(const Snapshot& s) const { return s.topology->index(ground_); }
   SkinTouch touch(const Snapshot& s, const Place& place) const;

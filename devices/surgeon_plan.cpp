@@ -227,15 +227,13 @@ void SurgeonPlan::plan(const Excise& c) { stroke_command(Tool::excise, c.outline
 void SurgeonPlan::plan(const ExcisePiece& c) {
   if (!reachable(c.at)) return;
   control(ControlSample::select_tool, Tool::excise);
-  tap(on_skin(c.at));
+  tap(on_skin(c.at), set_.hover_mm);
 }
 
 void SurgeonPlan::plan(const CutThrough& c) {
   if (c.from_bed) {
-    problems_.push_back(
-        fmt::format("command {}: a cut right through from a bed is no gesture; one from the skin was "
-                    "expected",
-                    number_));
+    problems_.push_back("command " + std::to_string(number_) +
+                        ": a cut right through from a bed is no gesture; one from the skin was expected");
     return;
   }
   for (const Vec3& X : c.path)
@@ -258,8 +256,8 @@ void SurgeonPlan::set_hook(int id, const Aim& at) {
 }
 
 /// Press in one place.
-void SurgeonPlan::tap(const Aim& at) {
-  go_down(at, set_.hover_mm);
+void SurgeonPlan::tap(const Aim& at, double hover_mm) {
+  go_down(at, hover_mm);
   mark(Step::press);
   hold(at, set_.corner_pause_s);
   mark(Step::let_go);
@@ -299,11 +297,15 @@ void SurgeonPlan::plan(const ReleaseHook& c) {
 
 void SurgeonPlan::plan(const Suture& c) {
   if (!reachable(c.a) || !reachable(c.b)) return;
+  take_for(c);
+  sew(on_skin(c.a), on_skin(c.b));
+}
+
+void SurgeonPlan::take_for(const Suture& c) {
   if (c.depth_mm > 0)
     control(ControlSample::select_tool, Tool::suture_buried, {c.depth_mm});
   else
     control(ControlSample::select_tool, Tool::suture);
-  sew(on_skin(c.a), on_skin(c.b));
 }
 
 /// The needle through one place and then another.
@@ -320,12 +322,16 @@ void SurgeonPlan::plan(const SutureRow& c) {
   if (c.a.empty() || c.b.empty()) return;
   for (const ChartPoint& p : {c.a.front(), c.a.back(), c.b.front(), c.b.back()})
     if (!reachable(p)) return;
+  take_for(c);
+  stroke(c.a, false, 90);
+  stroke(c.b, false, 90);
+}
+
+void SurgeonPlan::take_for(const SutureRow& c) {
   if (c.depth_mm > 0 && !c.running)
     control(ControlSample::select_tool, Tool::suture_row_buried, {c.depth_mm, 0, c.spacing_mm, 0});
   else
     control(ControlSample::select_tool, c.running ? Tool::suture_running : Tool::suture_row, {0, 0, c.spacing_mm, 0});
-  stroke(c.a, false, 90);
-  stroke(c.b, false, 90);
 }
 
 void SurgeonPlan::plan(const SutureCorner& c) {
@@ -336,11 +342,7 @@ void SurgeonPlan::plan(const SutureCorner& c) {
 void SurgeonPlan::sew_corner(const Aim& a, const Aim& tip, const Aim& b, double depth_mm) {
   control(ControlSample::select_tool, Tool::suture_corner, {depth_mm});
   sew(a, tip);
-  go_down(b, 0.5 * set_.hover_mm);
-  mark(Step::press);
-  hold(b, set_.corner_pause_s);
-  mark(Step::let_go);
-  rise(b);
+  tap(b, 0.5 * set_.hover_mm);
 }
 
 void SurgeonPlan::plan(const SutureBite& c) {
@@ -362,11 +364,7 @@ void SurgeonPlan::plan(const TieSuture&) {
   }
   const Aim aim = in_world(t.end_mm.cast<double>());
   control(ControlSample::select_tool, Tool::suture_knot);
-  go_down(aim, set_.hover_mm);
-  mark(Step::press);
-  hold(aim, set_.corner_pause_s);
-  mark(Step::let_go);
-  rise(aim);
+  tap(aim, set_.hover_mm);
 }
 
 /// The needle is laid down, and for a while nothing else is taken: a thread slips when the patient shows it in no hand.
@@ -427,11 +425,11 @@ void SurgeonPlan::plan(const InSpace& c) {
           stroke_in_space(places, {}, true);
         } else if constexpr (std::is_same_v<A, ExcisePiece>) {
           choose(Tool::excise);
-          tap(at_rest(places[0]));
+          tap(at_rest(places[0]), set_.hover_mm);
         } else if constexpr (std::is_same_v<A, SetHook>) {
           set_hook(a.id, at_rest(places[0]));
         } else if constexpr (std::is_same_v<A, Suture>) {
-          a.depth_mm > 0 ? choose(Tool::suture_buried, {a.depth_mm}) : choose(Tool::suture);
+          take_for(a);
           sew(at_rest(places[0]), at_rest(places[1]));
         } else if constexpr (std::is_same_v<A, SutureBite>) {
           choose(Tool::suture_bites);
@@ -439,17 +437,13 @@ void SurgeonPlan::plan(const InSpace& c) {
         } else if constexpr (std::is_same_v<A, SutureCorner>) {
           sew_corner(at_rest(places[1]), at_rest(places[0]), at_rest(places[2]), a.depth_mm);
         } else if constexpr (std::is_same_v<A, SutureRow>) {
-          const bool buried = a.depth_mm > 0 && !a.running;
-          choose(buried      ? Tool::suture_row_buried
-                 : a.running ? Tool::suture_running
-                             : Tool::suture_row,
-                 {buried ? a.depth_mm : 0, 0, a.spacing_mm, 0});
+          take_for(a);
           const auto middle = places.begin() + long(a.a.size());
           stroke_in_space({places.begin(), middle}, {}, false);
           stroke_in_space({middle, places.end()}, {}, false);
         } else if constexpr (std::is_same_v<A, CutSuture>) {
           choose(Tool::scissors);
-          tap(at_rest(places[0]));
+          tap(at_rest(places[0]), set_.hover_mm);
         } else {
           no_gesture("a row between two stitches");
         }
@@ -479,7 +473,7 @@ void SurgeonPlan::plan(const CutSuture& c) {
   if (!s && !reachable(c.which.at)) return;
   const Aim aim = s ? in_world(0.5 * (s->a_mm + s->b_mm).cast<double>()) : on_skin(c.which.at);
   control(ControlSample::select_tool, Tool::scissors);
-  tap(aim);
+  tap(aim, set_.hover_mm);
 }
 
 void SurgeonPlan::plan(const Undo&) {

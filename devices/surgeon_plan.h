@@ -79,7 +79,9 @@ class SurgeonPlan {
   void sew(const Aim& a, const Aim& b);
   void sew_corner(const Aim& a, const Aim& tip, const Aim& b, double depth_mm);
   void set_hook(int id, const Aim& at);
-  void tap(const Aim& at);
+  void tap(const Aim& at, double hover_mm);
+  void take_for(const Suture& c);
+  void take_for(const SutureRow& c);
 
   void plan(const Incise& c);
   void plan(const InciseMore& c);

@@ -24,13 +24,10 @@ double depth_of(const Command& c) {
 
 }  // namespace
 
-// A touched place lies on a facet of the cut surface, which may run a little below the skin of the body. Of skin that
-// is seen too obliquely a hundredth of a millimetre on the chart may be one of a lip's whole margin.
 bool WorldPatient::chart_means(const ChartPoint& place, const Vec3& X_mm) const {
-  constexpr double kSame_mm = 0.5;
   const Skin& skin = world_.skin()->skin_at_rest();
   const auto hit = skin.at(place);
-  return hit && (hit->X_mm - X_mm).norm() <= kSame_mm && hit->normal.dot(skin.body().chart_normal()) >= kObliqueView;
+  return hit && limberg::chart_means(hit->X_mm, hit->normal, X_mm, skin.body().chart_normal());
 }
 
 Vec3 WorldPatient::normal(const Vec3& X_mm) const { return world_.skin()->skin_at_rest().frame(X_mm).normal; }

@@ -191,11 +191,7 @@ std::optional<Offs> row_against(const Words& w, const SutureRow& want, const Sut
 
 double off_path(const Vec3& p, const std::vector<Vec3>& path) {
   double far = (p - path.front()).norm();
-  for (size_t i = 0; i + 1 < path.size(); ++i) {
-    const Vec3 way = path[i + 1] - path[i];
-    const double t = std::clamp((p - path[i]).dot(way) / std::max(way.squaredNorm(), 1e-12), 0.0, 1.0);
-    far = std::min(far, (path[i] + t * way - p).norm());
-  }
+  for (size_t i = 0; i + 1 < path.size(); ++i) far = std::min(far, distance_to_segment(p, path[i], path[i + 1]));
   return far;
 }
 

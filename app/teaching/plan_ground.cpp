@@ -1,12 +1,11 @@
 #include "app/teaching/plan_ground.h"
 
+#include "devices/hand_ground.h"
 #include "devices/skin_chart.h"
-#include "sim/body/skin_view.h"
 
 namespace limberg {
 
 void say_on_chart(LessonPlan& plan, const Snapshot& uncut) {
-  constexpr double kSame_mm = 0.5;  // as WorldPatient::chart_means
   if (!has_surface(uncut) || !uncut.topology->body) return;
   SkinChart chart;
   for (PlannedAct& planned : plan.acts) {
@@ -18,8 +17,8 @@ void say_on_chart(LessonPlan& plan, const Snapshot& uncut) {
     for (const Vec3& X : places_of(*act)) {
       const SkinTouch meant = SkinChart::at_rest(uncut, X, kOffSkin_mm);
       const SkinTouch front = chart.at(uncut, meant.chart, 1e-3);
-      seen &= meant.triangle >= 0 && front.triangle >= 0 && (front.X_mm - meant.X_mm).norm() <= kSame_mm &&
-              front.N.dot(uncut.topology->body->chart_normal()) >= kObliqueView;
+      seen &= meant.triangle >= 0 && front.triangle >= 0 &&
+              chart_means(front.X_mm, front.N, meant.X_mm, uncut.topology->body->chart_normal());
       points.push_back(meant.chart);
     }
     if (!seen) continue;
