@@ -73,13 +73,33 @@ struct EmulatedSurgeon::Impl {
     return p + a.height_mm * sight.body().chart_normal();
   }
 
-  ChartPoint along(const Step& s, double l, Vec2* direction = nullptr) const {
+  static size_t piece_at(const Step& s, double l) {  // from the place before it
     size_t i = 1;
     while (i + 1 < s.path.size() && s.length[i] < l) ++i;
+    return i;
+  }
+
+  ChartPoint along(const Step& s, double l, Vec2* direction = nullptr) const {
+    const size_t i = piece_at(s, l);
     const double piece = s.length[i] - s.length[i - 1];
     const double t = piece > 0 ? std::clamp((l - s.length[i - 1]) / piece, 0.0, 1.0) : 0;
     if (direction) *direction = piece > 0 ? Vec2((s.path[i] - s.path[i - 1]) / piece) : Vec2(1, 0);
     return s.path[i - 1] + t * (s.path[i] - s.path[i - 1]);
+  }
+
+  /// `on` is the skin under a path along a wound's edge, at `share` between two of its places. A bent edge's chord
+  /// crosses the cut: what lies there at rest may have been carried elsewhere, and a hand goes straight on.
+  static Vec3 kept_on_edge(const Vec3& on, const Vec3& from, const Vec3& to, double share) {
+    constexpr double kBeside_mm = 1, kBend = 0.5;  // of the chord; a half circle's
+    const Vec3 straight = from + share * (to - from);
+    return (on - straight).norm() <= std::max(kBeside_mm, kBend * (to - from).norm()) ? on : straight;
+  }
+  Vec3 kept_on_edge(const Step& s, double l, const Vec3& on) const {
+    const size_t i = piece_at(s, l);
+    const SkinTouch a = sight.skin_at(s.path[i - 1], Sight::kRimMm), b = sight.skin_at(s.path[i], Sight::kRimMm);
+    const double piece = s.length[i] - s.length[i - 1];
+    if (a.triangle < 0 || b.triangle < 0 || !(piece > 0)) return on;
+    return kept_on_edge(on, a.x_mm, b.x_mm, std::clamp((l - s.length[i - 1]) / piece, 0.0, 1.0));
   }
 
   /// The place on a path in space: on the skin that lies there at rest, the handle as the path says.
@@ -89,7 +109,9 @@ struct EmulatedSurgeon::Impl {
     if (on.triangle < 0) return tip;
     up = on.normal;
     if (!s.shaft.empty()) wanted_shaft = (1 - t) * s.shaft.front() + t * s.shaft.back();
-    return on.x_mm;
+    if (!s.on_edge) return on.x_mm;
+    const SkinTouch a = sight.skin_at(s.rest_path.front()), b = sight.skin_at(s.rest_path.back());
+    return a.triangle < 0 || b.triangle < 0 ? on.x_mm : kept_on_edge(on.x_mm, a.x_mm, b.x_mm, t);
   }
 
   /// The place on a drawn path; over a hole, on the straight line between its rims.
@@ -110,7 +132,7 @@ struct EmulatedSurgeon::Impl {
         wanted_shaft = (elementary::sin(a) * up + elementary::cos(a) * up.cross(way)) * elementary::cos(drag) -
                        elementary::sin(drag) * way;
       }
-      return t.x_mm;
+      return s.on_edge ? kept_on_edge(s, l, t.x_mm) : t.x_mm;
     }
     constexpr double kLookMm = 0.5;
     double before = l, after = l;

@@ -121,7 +121,7 @@ void SurgeonPlan::rise(const Aim& from) {
 }
 
 /// Press, draw the path with a rest at each corner, let go.
-void SurgeonPlan::stroke(const std::vector<ChartPoint>& points, bool closed, double angle_deg) {
+void SurgeonPlan::stroke(const std::vector<ChartPoint>& points, bool closed, double angle_deg, bool on_edge) {
   std::vector<ChartPoint> path;
   for (const ChartPoint& p : points)
     if (path.empty() || (p - path.back()).norm() > 1e-6) path.push_back(p);
@@ -134,7 +134,7 @@ void SurgeonPlan::stroke(const std::vector<ChartPoint>& points, bool closed, dou
     while (last + 1 < path.size() && turn_deg(path[last - 1], path[last], path[last + 1]) < kPauseTurnDeg) ++last;
     Step s;
     s.kind = Step::draw;
-    s.angle_deg = angle_deg;
+    s.angle_deg = angle_deg, s.on_edge = on_edge;
     s.path.assign(path.begin() + long(first), path.begin() + long(last) + 1);
     s.length.push_back(0);
     for (size_t i = 1; i < s.path.size(); ++i) s.length.push_back(s.length.back() + (s.path[i] - s.path[i - 1]).norm());
@@ -146,9 +146,10 @@ void SurgeonPlan::stroke(const std::vector<ChartPoint>& points, bool closed, dou
   rise(on_skin(path.back()));
 }
 
-void SurgeonPlan::stroke_in_space(const std::vector<Vec3>& places, const std::vector<Vec3>& shafts, bool closed) {
+void SurgeonPlan::stroke_in_space(const std::vector<Vec3>& places, const std::vector<Vec3>& shafts, bool closed,
+                                  bool on_edge) {
   Step s;
-  s.kind = Step::draw;
+  s.kind = Step::draw, s.on_edge = on_edge;
   for (size_t i = 0; i < places.size(); ++i) {
     if (!s.rest_path.empty() && (places[i] - s.rest_path.back()).norm() <= 1e-6) continue;
     s.length.push_back(s.rest_path.empty() ? 0 : s.length.back() + (places[i] - s.rest_path.back()).norm());
@@ -323,8 +324,8 @@ void SurgeonPlan::plan(const SutureRow& c) {
   for (const ChartPoint& p : {c.a.front(), c.a.back(), c.b.front(), c.b.back()})
     if (!reachable(p)) return;
   take_for(c);
-  stroke(c.a, false, 90);
-  stroke(c.b, false, 90);
+  stroke(c.a, false, 90, true);
+  stroke(c.b, false, 90, true);
 }
 
 void SurgeonPlan::take_for(const SutureRow& c) {
@@ -439,8 +440,8 @@ void SurgeonPlan::plan(const InSpace& c) {
         } else if constexpr (std::is_same_v<A, SutureRow>) {
           take_for(a);
           const auto middle = places.begin() + long(a.a.size());
-          stroke_in_space({places.begin(), middle}, {}, false);
-          stroke_in_space({middle, places.end()}, {}, false);
+          stroke_in_space({places.begin(), middle}, {}, false, true);
+          stroke_in_space({middle, places.end()}, {}, false, true);
         } else if constexpr (std::is_same_v<A, CutSuture>) {
           choose(Tool::scissors);
           tap(at_rest(places[0]), set_.hover_mm);

@@ -43,6 +43,7 @@ struct Step {
   std::vector<Vec3> shaft;       // draw at rest: the handle's direction at each of its points; empty: as it comes
   std::vector<double> length;    // draw: along the path, from 0
   double angle_deg = 90;         // draw
+  bool on_edge = false;          // draw: along a wound's edge, and not on what lies beyond it at rest
   ControlSample control;         // choose
 };
 
@@ -68,9 +69,10 @@ class SurgeonPlan {
   void control(int32_t kind, Tool tool = Tool::none, std::array<double, 4> value = {}, const std::string& text = {});
   void go_down(const Aim& target, double hover_mm);
   void rise(const Aim& from);
-  void stroke(const std::vector<ChartPoint>& points, bool closed, double angle_deg);
+  void stroke(const std::vector<ChartPoint>& points, bool closed, double angle_deg, bool on_edge = false);
   /// The same over places in space, with the handle held along `shafts`, one for each; empty: as it comes.
-  void stroke_in_space(const std::vector<Vec3>& places, const std::vector<Vec3>& shafts, bool closed);
+  void stroke_in_space(const std::vector<Vec3>& places, const std::vector<Vec3>& shafts, bool closed,
+                       bool on_edge = false);
   void stroke_command(Tool tool, const std::vector<ChartPoint>& path, bool closed, double depth_mm, double angle_deg);
   void let_go_unless_moved_next(const Aim& from);
   bool reachable(const ChartPoint& c);

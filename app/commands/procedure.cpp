@@ -159,6 +159,9 @@ void add_procedure(CLI::App& app, Chosen& chosen) {
   c->add_flag("--mirror", o->placement.mirrored, "Mirrors it first");
   c->add_option("--depth-mm", o->plan.depth_mm, "Of all cuts (default 4)")->check(number_from(0.01, 200));
   c->add_option("--spacing-mm", o->plan.spacing_mm, "Of stitches (default 4)")->check(number_from(0.1, 1000));
+  c->add_option("--buried-mm", o->plan.buried_mm,
+                "So deep below the edges a layer of buried stitches is sewn first (default 0: none)")
+      ->check(number_from(0, 200));
   c->add_option("--undermine-mm", o->plan.undermine_margin_mm,
                 "Undermined so far around the figure (default 12; 0: not)")
       ->check(number_from(0, 1000));

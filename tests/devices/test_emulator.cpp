@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 
 #include "app/program/places.h"
 #include "devices/command_builder.h"
@@ -360,6 +361,40 @@ TEST(EmulatedSurgeon, DrawsOnAcrossAHole) {
   const auto& path = std::get<Incise>(r.commands[0]).path;
   EXPECT_LT((path.front() - ChartPoint(-20, 0)).norm(), 0.4);
   EXPECT_LT((path.back() - ChartPoint(20, 0)).norm(), 0.4);
+}
+
+// A flap was cut along a bent edge and carried away. The chord between two bites in the other bank runs over where the
+// flap's tip lay: the hand stays with its own bank.
+TEST(EmulatedSurgeon, SewsAlongABentEdgeAndNotWhatLayBeyond) {
+  const auto flap = [](double x, double y) { return y > 0.3 * std::abs(x) && y < 20; };
+  auto t = flat_topology(120, 1);
+  std::map<int32_t, int32_t> own;  // the flap's corners
+  for (Tri& k : t->view.tri) {
+    const Vec3 middle = (t->view.X_mm[size_t(k[0])] + t->view.X_mm[size_t(k[1])] + t->view.X_mm[size_t(k[2])]) / 3;
+    if (!flap(middle.x(), middle.y())) continue;
+    for (int32_t& v : k) {
+      const auto [at, is_new] = own.try_emplace(v, int32_t(t->view.X_mm.size()));
+      if (is_new) {
+        const Vec3 X = t->view.X_mm[size_t(v)];
+        t->view.X_mm.push_back(X);
+      }
+      v = at->second;
+    }
+  }
+  Snapshot s = snapshot_of(t);
+  for (const auto& [before, v] : own) s.x_mm[size_t(v)] += Vec3f(25, 30, 2);
+  const std::vector<ChartPoint> edge{{-4, 0.7}, {4, 0.7}}, other{{-4, -6}, {4, -6}};
+  const Performance r =
+      perform(std::make_unique<EmulatedSurgeon>(std::vector<Command>{SutureRow{edge, other, 4}}), std::move(s));
+  EXPECT_TRUE(r.problems.empty());
+  ASSERT_EQ(r.commands.size(), 1u);
+  const std::vector<ChartPoint>& sewn = std::get<SutureRow>(r.commands[0]).a;
+  EXPECT_NEAR(sewn.front().x(), -4, 0.5);
+  EXPECT_NEAR(sewn.back().x(), 4, 0.5);
+  for (const ChartPoint& p : sewn) {
+    EXPECT_LT(std::abs(p.x()), 4.5);
+    EXPECT_NEAR(p.y(), 0.35, 0.9);  // from the edge's lowest place, 0, to the bites, and the tremor
+  }
 }
 
 TEST(EmulatedSurgeon, SaysWhatItCannotReach) {

@@ -100,7 +100,11 @@ class Writer {
   }
 
   void close() {
-    for (const Seam& s : f_.seams) sew(s);
+    if (plan_.buried_mm > 0) {
+      for (const Seam& s : f_.seams) sew(s, plan_.buried_mm);
+      stage("deep layer", 1);
+    }
+    for (const Seam& s : f_.seams) sew(s, 0);
     stage("closed", 4);
   }
 
@@ -181,7 +185,7 @@ class Writer {
     return before == after ? limberg::beside(path, s_mm, side * inset) : edge + inset * into;
   }
 
-  void sew(const Seam& s) {
+  void sew(const Seam& s, double depth_mm) {
     const auto a = bank(f_, s.a_from, s.a_to, true), b = bank(f_, s.b_from, s.b_to, false);
     const double la = path_length(a), lb = path_length(b), longer = std::max(la, lb);
     // Of equal parts from t0 to the end stitch 0 stands at t0, where no key holds it already.
@@ -194,13 +198,13 @@ class Writer {
     };
     const auto stitch = [&](int i) {
       const auto [pa, pb] = at(i);
-      commands.push_back(Suture{chart(pa), chart(pb)});
+      commands.push_back(Suture{chart(pa), chart(pb), depth_mm});
     };
     if (n < 1) return;
     if (n == 1) return stitch(0);
     if (s.from_middle) return halve(stitch, n);
     SutureRow row;
-    row.spacing_mm = plan_.spacing_mm;
+    row.spacing_mm = plan_.spacing_mm, row.depth_mm = depth_mm;
     for (int i = 0; i < n; ++i) {
       const auto [pa, pb] = at(i);
       row.a.push_back(chart(pa)), row.b.push_back(chart(pb));

@@ -13,8 +13,11 @@ namespace limberg {
 
 struct OperationPlan {
   double depth_mm = 4;
-  double undermine_margin_mm = 12;         // of the pocket around the figure; 0: not undermined
-  double spacing_mm = 4;                   // of stitches
+  double undermine_margin_mm = 12;  // of the pocket around the figure; 0: not undermined
+  double spacing_mm = 4;            // of stitches
+  // Of a layer of buried stitches under those of the skin, sewn before them: wall lies on wall then, and no edge rolls
+  // under. 0: none.
+  double buried_mm = 0;
   double inset_mm = 0.7, corner_mm = 0.9;  // of a stitch from its edge, and from the tip of a corner
   double lift_mm = 10;                     // height of the hooks while a flap is carried over
 };

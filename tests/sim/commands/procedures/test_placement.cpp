@@ -11,6 +11,7 @@
 #include "sim/commands/procedures/catalogue.h"
 #include "sim/commands/procedures/operation.h"
 #include "sim/commands/procedures/placement.h"
+#include "sim/commands/script.h"
 
 namespace limberg {
 namespace test_placement {
@@ -148,6 +149,48 @@ TEST(CarryOut, ANeedleHasRoomInEveryCorner) {
         }
   }
   EXPECT_GT(in_corners, 40);
+}
+
+// A deep layer is the skin's stitches once more, as deep as asked for, all sewn before the first of the skin; the rest of
+// the operation is as without it.
+TEST(CarryOut, ADeepLayerLiesUnderEveryStitchOfASeam) {
+  const Skin level(flat(2));
+  int layers = 0;
+  for (const Procedure& p : procedures()) {
+    const Figure f = p.figure(p.defaults());
+    const std::vector<Command> one = carry_out(f, OnSkin(level, {}));
+    OperationPlan plan;
+    plan.buried_mm = 1.5;
+    std::vector<std::string> deep, skin, rest;
+    bool sewn_below = false;
+    for (const Command& c : carry_out(f, OnSkin(level, {}), plan)) {
+      if (const auto* s = std::get_if<Stage>(&c); s && s->name == "deep layer") {
+        sewn_below = true;
+        rest.pop_back();  // the wait before the stage
+        continue;
+      }
+      const auto* s = std::get_if<Suture>(&c);
+      const auto* r = std::get_if<SutureRow>(&c);
+      const double depth = s ? s->depth_mm : r ? r->depth_mm : 0;
+      if (depth > 0) {
+        EXPECT_FALSE(sewn_below) << p.name;
+        EXPECT_EQ(depth, 1.5) << p.name;
+        Command flat_one = c;
+        if (s) std::get<Suture>(flat_one).depth_mm = 0;
+        if (r) std::get<SutureRow>(flat_one).depth_mm = 0;
+        deep.push_back(to_json_line(flat_one));
+      } else {
+        if (sewn_below && (s || r)) skin.push_back(to_json_line(c));
+        rest.push_back(to_json_line(c));
+      }
+    }
+    EXPECT_EQ(deep, skin) << p.name;
+    std::vector<std::string> as_before;
+    for (const Command& c : one) as_before.push_back(to_json_line(c));
+    EXPECT_EQ(rest, as_before) << p.name;
+    layers += !deep.empty();
+  }
+  EXPECT_GT(layers, 10);
 }
 
 // Where a stitch has drawn a corner to a bank, a second one through that corner meets what lies over it.
