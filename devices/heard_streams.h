@@ -25,6 +25,8 @@ class HeardStreams {
     if (seq > kMostSeq) return false;
     Stream* s = at(name, seq, t_ns);
     if (!s || (s->checksums && !has_checksum)) return false;
+    // What came before the first checksum was damaged, its number too.
+    if (s->started && has_checksum && !s->checksums) s->shift = s->seq + 1 - seq;
     // A sender that was silent and counts from a lower number has begun anew (restarted, plugged in again), and so has
     // one that jumps ahead. Without the silence a lower number is an old packet, or one that came twice.
     if (s->started) {

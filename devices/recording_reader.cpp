@@ -1,5 +1,6 @@
 #include <cmath>
 #include <map>
+#include <tuple>
 #include <utility>
 
 #include "devices/message_codec.h"
@@ -124,14 +125,18 @@ class Reader {
     bool has_checksum = false;
     if (const char* wrong = decode_message(e.data, e.size, m, &has_checksum)) return wrong;
     if (const char* wrong = to_sample(m, s)) return wrong;
-    const std::pair<int, int32_t> stream{stream_of(s), s.device_id};
+    const size_t kind = Sample(S{}).index();
+    const std::tuple<size_t, int, int32_t> stream{kind, stream_of(s), s.device_id};
     if (!order_.contains(stream) && order_.size() >= kMaxRecordedStreams) return "too many devices";
     int64_t gap = 0;
     // Damage that moves bytes can leave a message that says that it has no checksum, and can change whose it is: where
     // one message of a channel has a checksum, all must have.
-    if (checksums_[Sample(S{}).index()] && !has_checksum) return kNoChecksum;
+    if (checksums_[kind] && !has_checksum) return kNoChecksum;
+    // What came before the first checksum is damaged too (leave_out_unchecked()), and its numbers put nothing behind it.
+    if (has_checksum && !checksums_[kind])
+      std::erase_if(order_, [&](const auto& o) { return std::get<0>(o.first) == kind; });
+    checksums_[kind] |= has_checksum;
     if (!order_[stream].accept(s.seq, s.t_ns, gap)) return kOutOfOrder;
-    checksums_[Sample(S{}).index()] |= has_checksum;
     log_.damage().stream_gaps += std::min(gap, LogDamage::kMostMissing);
     if (!has_checksum) unchecked_.emplace_back(r_.samples.size(), e.offset);
     r_.samples.push_back(s);
@@ -288,8 +293,8 @@ class Reader {
   static constexpr int64_t kMaxRun = 1'000'000;
   LogReader& log_;
   Recording r_;
-  int64_t schedule_seq_[2] = {0, 0};  // of the next message of each kind
-  std::map<std::pair<int, int32_t>, StreamOrder> order_;
+  int64_t schedule_seq_[2] = {0, 0};                               // of the next message of each kind
+  std::map<std::tuple<size_t, int, int32_t>, StreamOrder> order_;  // per kind of sample, stream, device
   std::map<int32_t, OpenBlob> open_;
   std::vector<std::pair<size_t, int64_t>> unchecked_;  // samples without a checksum, and where they stand in the file
   std::array<bool, std::variant_size_v<Sample>> checksums_{};  // per kind of sample

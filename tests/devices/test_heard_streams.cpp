@@ -83,5 +83,18 @@ TEST(HeardStreams, AMessageWithoutChecksumIsADamagedOneOnceOneWasSeen) {
   EXPECT_FALSE(heard.take(kStylus, seq, 1, false, gap));
 }
 
+TEST(HeardStreams, ADamagedFirstMessageShutsNobodyOut) {
+  HeardStreams heard;
+  int64_t seq = int64_t{1} << 35, gap = 0;
+  EXPECT_TRUE(heard.take(kStylus, seq, 0, false, gap));
+  seq = 1;
+  EXPECT_TRUE(heard.take(kStylus, seq, 1, true, gap));
+  EXPECT_EQ(gap, 0);
+  EXPECT_EQ(seq, (int64_t{1} << 35) + 1) << "numbers grow for who records them";
+  seq = 3;
+  EXPECT_TRUE(heard.take(kStylus, seq, 2, true, gap));
+  EXPECT_EQ(gap, 1);
+}
+
 }  // namespace test_heard_streams
 }  // namespace limberg

@@ -201,6 +201,24 @@ TEST(Recording, OneBadSampleCostsOneSample) {
   EXPECT_NE(r.damage.first_message.find("LIMBERG_STYLUS: wrong checksum"), std::string::npos) << r.damage.first_message;
 }
 
+// Found by `limberg bench fuzz --devices`: damage that empties the first message's checksum (0: not given) and raises its
+// number put every later sample out of order, and the whole recording was lost for one message.
+TEST(Recording, ABadFirstSampleThatSaysItHasNoChecksumCostsOneSample) {
+  TemporaryFolder dir;
+  std::vector<uint8_t> b = recording_bytes(dir, 300);
+  LogReader log(b);
+  LogEvent e;
+  while (log.next(e) && e.channel != kStylusChannel) {
+  }
+  const size_t payload = size_t(e.offset) + LogReader::kHeader + e.channel.size();
+  b[payload + 12 + 3] ^= 8;  // of the number, behind fingerprint and version
+  std::fill_n(b.begin() + long(payload + e.size - 4), 4, uint8_t(0));
+  const Recording r = read_recording(b, "b");
+  EXPECT_EQ(r.samples.size(), stream(300).size() - 1);
+  EXPECT_EQ(r.damage.bad_payload, 1);
+  EXPECT_EQ(r.damage.out_of_order, 0);
+}
+
 TEST(Recording, RepeatedAndReversedSamplesAreOutOfOrder) {
   TemporaryFolder dir;
   RecordingWriter w;
