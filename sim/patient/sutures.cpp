@@ -78,7 +78,8 @@ std::optional<Anchor> Sutures::find_bite(const ChartPoint& p, double depth_mm, s
   if (!skin) return std::nullopt;
   const auto rim = tissue_.version().index->snap_to_rim(*skin, kStitchReach_mm);
   if (!rim)
-    return reason = "there is no wound's edge near " + at_text(p) + "; a place beside one was expected", std::nullopt;
+    return reason = "there is no wound's edge near " + tissue_.place_text(p) + "; a place beside one was expected",
+           std::nullopt;
   return bite_at(*rim, depth_mm, reason);
 }
 
@@ -101,8 +102,8 @@ std::optional<size_t> Sutures::find_stitch(const StitchPick& pick, std::string& 
     if (d < nearest) nearest = d, best = i;
   }
   if (!best)
-    reason =
-        "there is no stitch within " + mm(kPick_mm) + " of " + at_text(pick.at) + "; a place beside one was expected";
+    reason = "there is no stitch within " + mm(kPick_mm) + " of " + tissue_.place_text(pick.at) +
+             "; a place beside one was expected";
   return best;
 }
 
@@ -300,7 +301,7 @@ Outcome Sutures::act(const Suture& c) {
     if (s.across() && joins(s, *a, *b))
       return {false, "stitch " + std::to_string(s.id) + " is there already; another place was expected"};
   if (same_place(*a, *b))
-    return {false, "both ends of the stitch are at " + at_text(c.a) + "; two different edges were expected"};
+    return {false, "both ends of the stitch are at " + tissue_.place_text(c.a) + "; two different edges were expected"};
   Stitch stitch = between(*a, *b, tissue_.spec().suture_bite_mm);
   stitch.id = holding_.next_stitch++, stitch.spring = holding_.next_spring++;
   holding_.stitches.push_back(stitch);
@@ -416,8 +417,8 @@ std::optional<Anchor> Sutures::find_own_bite(const ChartPoint& p, double depth_m
     const RestIndex& index = *tissue_.version().index;
     const auto rim = index.snap_to_rim(*skin, SutureBite::kFarthest_mm);
     if (!rim)
-      return reason = "there is no wound's edge within " + mm(SutureBite::kFarthest_mm) + " of " + at_text(p) +
-                      "; a bite nearer to one was expected",
+      return reason = "there is no wound's edge within " + mm(SutureBite::kFarthest_mm) + " of " +
+                      tissue_.place_text(p) + "; a bite nearer to one was expected",
              std::nullopt;
     from_edge_mm = (index.rest_mm(*skin) - index.rest_mm(*rim)).norm();
     anchor = bite_at(*rim, depth_mm, reason);
@@ -453,7 +454,7 @@ Outcome Sutures::act(const SutureBite& c) {
     if (s.across() && joins(s, *a, *b))
       return {false, "stitch " + std::to_string(s.id) + " is there already; another place was expected"};
   if (same_place(*a, *b))
-    return {false, "both ends of the bite are at " + at_text(c.a) + "; two different edges were expected"};
+    return {false, "both ends of the bite are at " + tissue_.place_text(c.a) + "; two different edges were expected"};
   const double uneven = std::abs(a->bite_mm - b->bite_mm);
   Stitch across = between(*a, *b, 0);
   across.a.bite_mm = a->bite_mm, across.b.bite_mm = b->bite_mm;

@@ -72,15 +72,19 @@ BladeContext Tissue::blade_context() const {
   return c;
 }
 
+std::string Tissue::place_text(const ChartPoint& p) const {
+  return look_ && look_->place_mm ? at_text(look_->place_mm(p)) : at_text(p);
+}
+
 std::optional<SurfacePoint> Tissue::find_skin(const ChartPoint& p, std::string& reason) const {
   if (!p.allFinite())
     return reason = "the point is not a number; two finite coordinates in mm were expected", std::nullopt;
   const auto hit = skin_at(p);
   if (!hit)
-    return reason = "point " + at_text(p) + " lies off the skin; a point on the skin was expected", std::nullopt;
+    return reason = "point " + place_text(p) + " lies off the skin; a point on the skin was expected", std::nullopt;
   auto point = version_.index->locate(hit->X_mm, hit->triangle, 1e-2);
   if (!point) point = version_.index->nearest_skin(hit->X_mm, kMissing_mm);
-  if (!point) reason = "the skin at " + at_text(p) + " has been removed; a point on remaining skin was expected";
+  if (!point) reason = "the skin at " + place_text(p) + " has been removed; a point on remaining skin was expected";
   return point;
 }
 

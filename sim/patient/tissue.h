@@ -51,6 +51,8 @@ class Tissue {
     std::function<Vec3(const ChartPoint&)> place_mm;  // as it was given, at rest
   };
   void look(const Look* look) { look_ = look; }
+  /// The place as it was given, for messages: on the chart or, of an act in space, in space.
+  std::string place_text(const ChartPoint& p) const;
 
   std::optional<SurfacePoint> find_skin(const ChartPoint& p, std::string& reason) const;
   /// on_rim: on the wound's edge, where one is within kStitchReach_mm.

@@ -297,7 +297,10 @@ TEST(InSpace, WhatCannotBeDoneIsRefusedAndChangesNothing) {
       {R"({"action":"excise","at":[0,19,8]})", "still attached"},
       {R"({"action":"hook","id":1,"at":[0,11,4],"surface":"bed"})", "no cut face"},
       {R"({"action":"hook","id":1,"at":[0,11],"surface":"bed"})", "[x, y, z]"},
-      {R"({"action":"suture","a":[0,11,60],"b":[0,12,8]})", "off the skin"},
+      {R"({"action":"suture","a":[0,11,60],"b":[0,12,8]})", "(0.00, 11.00, 60.00) mm lies off the skin"},
+      {R"({"action":"suture","a":[0,11,8],"b":[0,12,8],"depth_mm":1})", "no wound's edge near (0.00, 11.00, 8.00)"},
+      {R"({"action":"suture_row","a":[[0,11,8],[4,11,8]],"b":[[0,12,8],[4,12,8]],"spacing_mm":2,"depth_mm":1})",
+       "no wound's edge near (0.00, 11.00, 8.00)"},
   };
   for (const auto& [text, why] : refused) {
     const Outcome o = world.apply(line(text));
