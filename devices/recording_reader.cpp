@@ -132,7 +132,7 @@ class Reader {
     // Damage that moves bytes can leave a message that says that it has no checksum, and can change whose it is: where
     // one message of a channel has a checksum, all must have.
     if (checksums_[kind] && !has_checksum) return kNoChecksum;
-    // What came before the first checksum is damaged too (leave_out_unchecked()), and its numbers put nothing behind it.
+    // What came before the first checksum is damaged too (leave_out_unchecked()); its numbers put nothing behind it.
     if (has_checksum && !checksums_[kind])
       std::erase_if(order_, [&](const auto& o) { return std::get<0>(o.first) == kind; });
     checksums_[kind] |= has_checksum;

@@ -201,8 +201,8 @@ TEST(Recording, OneBadSampleCostsOneSample) {
   EXPECT_NE(r.damage.first_message.find("LIMBERG_STYLUS: wrong checksum"), std::string::npos) << r.damage.first_message;
 }
 
-// Found by `limberg bench fuzz --devices`: damage that empties the first message's checksum (0: not given) and raises its
-// number put every later sample out of order, and the whole recording was lost for one message.
+// Found by `limberg bench fuzz --devices`: damage that empties the first message's checksum (0: not given) and raises
+// its number put every later sample out of order, and the whole recording was lost for one message.
 TEST(Recording, ABadFirstSampleThatSaysItHasNoChecksumCostsOneSample) {
   TemporaryFolder dir;
   std::vector<uint8_t> b = recording_bytes(dir, 300);

@@ -151,8 +151,8 @@ TEST(CarryOut, ANeedleHasRoomInEveryCorner) {
   EXPECT_GT(in_corners, 40);
 }
 
-// A deep layer is the skin's stitches once more, as deep as asked for, all sewn before the first of the skin; the rest of
-// the operation is as without it.
+// A deep layer is the skin's stitches once more, as deep as asked for, all sewn before the first of the skin; the rest
+// of the operation is as without it.
 TEST(CarryOut, ADeepLayerLiesUnderEveryStitchOfASeam) {
   const Skin level(flat(2));
   int layers = 0;
