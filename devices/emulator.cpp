@@ -3,6 +3,7 @@
 #include "devices/emulator.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -45,6 +46,9 @@ struct EmulatedSurgeon::Impl {
   double step_start_s = 0, step_seconds = 0;
   bool step_begun = false;
   Vec3 step_from = Vec3::Zero();
+  bool ends_known = false;  // of the present step's path in space
+  uint64_t ends_version = 0;
+  std::array<SkinTouch, 2> ends;
   Vec3 tip{0, -30, 40}, up = Vec3::UnitZ(), shaft = Vec3::UnitZ(), wanted_shaft = Vec3::UnitZ();
   int64_t sample = 0, stylus_seq = 0, control_seq = 0, sent = 0;
 
@@ -73,16 +77,20 @@ struct EmulatedSurgeon::Impl {
     return p + a.height_mm * sight.body().chart_normal();
   }
 
-  static size_t piece_at(const Step& s, double l) {  // from the place before it
+  struct Piece {
+    size_t to;  // of the path: the place at its end
+    double share;
+  };
+  static Piece piece_at(const Step& s, double l) {
     size_t i = 1;
     while (i + 1 < s.path.size() && s.length[i] < l) ++i;
-    return i;
+    const double piece = s.length[i] - s.length[i - 1];
+    return {i, piece > 0 ? std::clamp((l - s.length[i - 1]) / piece, 0.0, 1.0) : 0};
   }
 
   ChartPoint along(const Step& s, double l, Vec2* direction = nullptr) const {
-    const size_t i = piece_at(s, l);
+    const auto [i, t] = piece_at(s, l);
     const double piece = s.length[i] - s.length[i - 1];
-    const double t = piece > 0 ? std::clamp((l - s.length[i - 1]) / piece, 0.0, 1.0) : 0;
     if (direction) *direction = piece > 0 ? Vec2((s.path[i] - s.path[i - 1]) / piece) : Vec2(1, 0);
     return s.path[i - 1] + t * (s.path[i] - s.path[i - 1]);
   }
@@ -95,11 +103,18 @@ struct EmulatedSurgeon::Impl {
     return (on - straight).norm() <= std::max(kBeside_mm, kBend * (to - from).norm()) ? on : straight;
   }
   Vec3 kept_on_edge(const Step& s, double l, const Vec3& on) const {
-    const size_t i = piece_at(s, l);
+    const auto [i, share] = piece_at(s, l);
     const SkinTouch a = sight.skin_at(s.path[i - 1], Sight::kRimMm), b = sight.skin_at(s.path[i], Sight::kRimMm);
-    const double piece = s.length[i] - s.length[i - 1];
-    if (a.triangle < 0 || b.triangle < 0 || !(piece > 0)) return on;
-    return kept_on_edge(on, a.x_mm, b.x_mm, std::clamp((l - s.length[i - 1]) / piece, 0.0, 1.0));
+    return a.triangle < 0 || b.triangle < 0 ? on : kept_on_edge(on, a.x_mm, b.x_mm, share);
+  }
+
+  /// Where the ends of a path in space lie now. They are looked for once: that is a pass over all the skin.
+  std::array<SkinTouch, 2> ends_now(const Step& s) {
+    const Snapshot& seen = *sight.seen;
+    if (!ends_known || ends_version != seen.topology->version)
+      ends = {sight.skin_at(s.rest_path.front()), sight.skin_at(s.rest_path.back())};
+    ends_known = true, ends_version = seen.topology->version;
+    return {touch_at(seen, ends[0].triangle, ends[0].bary, 0), touch_at(seen, ends[1].triangle, ends[1].bary, 0)};
   }
 
   /// The place on a path in space: on the skin that lies there at rest, the handle as the path says.
@@ -110,7 +125,7 @@ struct EmulatedSurgeon::Impl {
     up = on.normal;
     if (!s.shaft.empty()) wanted_shaft = (1 - t) * s.shaft.front() + t * s.shaft.back();
     if (!s.on_edge) return on.x_mm;
-    const SkinTouch a = sight.skin_at(s.rest_path.front()), b = sight.skin_at(s.rest_path.back());
+    const auto [a, b] = ends_now(s);
     return a.triangle < 0 || b.triangle < 0 ? on.x_mm : kept_on_edge(on.x_mm, a.x_mm, b.x_mm, t);
   }
 
@@ -153,6 +168,7 @@ struct EmulatedSurgeon::Impl {
   double begin(Step& s) {
     step_from = tip;
     wanted_shaft = Vec3::Zero();
+    ends_known = false;
     if (s.aim.kind == Aim::here) {
       s.aim.kind = Aim::world;
       s.aim.world_mm = tip;
