@@ -275,12 +275,20 @@ void Gestures::begin_stroke(int64_t tick, const Snapshot& s, EventSink& out) {
   emit(event(ToolEvent::stroke_begin, tick, s), out);
 }
 
+/// Where bank lies on bank the needle means the one that it has not gone through yet. Whether it has found one.
+bool Gestures::take_other_bank(const Snapshot& s, const SkinTouch& first) {
+  if (g_.in_space && SurfaceIndex::edge_between(s, first, touch_)) return true;
+  const SkinTouch apart = index_.closest_apart(s, meant_tip(), first, g_.apart_mm, g_.in_space);
+  if (apart.triangle < 0) return false;
+  touch_ = apart;
+  return true;
+}
+
 /// The needle goes in, for the first or, of a corner's stitch, for the third time.
 void Gestures::bite(const Snapshot& s, EventSink& out, int64_t tick) {
   if (corner_waits_) {
     corner_waits_ = false, state_.bites = 0;
-    const SkinTouch apart = index_.closest_apart(s, meant_tip(), bite_[1], g_.apart_mm, g_.in_space);
-    if (apart.triangle >= 0) touch_ = apart;
+    take_other_bank(s, bite_[1]);
     return emit(event(ToolEvent::suture_b, tick, s), out);
   }
   doing_ = Doing::suture;
@@ -324,10 +332,7 @@ void Gestures::second_bite(int64_t tick, const Snapshot& s, EventSink& out) {
     return emit(event(ToolEvent::suture_cancel, tick, s), out);
   }
   if (tool_ == Tool::suture_deep) return emit_bite(ToolEvent::suture_b, tick, s, out);  // cut faces say where they are
-  if (const SkinTouch apart = index_.closest_apart(s, meant_tip(), bite_[0], g_.apart_mm, g_.in_space);
-      apart.triangle >= 0)
-    touch_ = apart;
-  else if ((touch_.x_mm - bite_[0].x_mm).norm() < SurfaceIndex::kSheetRadius_mm)
+  if (!take_other_bank(s, bite_[0]) && (touch_.x_mm - bite_[0].x_mm).norm() < SurfaceIndex::kSheetRadius_mm)
     miss(MissedPress::same_edge, tick, out);
   if (tool_ == Tool::suture_corner) {
     bite_[1] = touch_, state_.bites = 2, corner_waits_ = true;

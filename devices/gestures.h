@@ -104,6 +104,7 @@ class Gestures {
   bool on_ground() const { return touch_.triangle >= 0 && touch_.distance_mm <= g_.reach_mm; }
   bool at_an_edge(const Snapshot& s) const;
   void bite(const Snapshot& s, EventSink& out, int64_t tick);
+  bool take_other_bank(const Snapshot& s, const SkinTouch& first);
   void second_bite(int64_t tick, const Snapshot& s, EventSink& out);
   void show_bites(const Snapshot& s);
   /// A bite that was just let go may not have been seen yet.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/geometry/polyline.h"
 #include "sim/geometry/triangle.h"
 
 namespace limberg {
@@ -148,6 +149,29 @@ SkinTouch SurfaceIndex::closest_apart(const Snapshot& s, const Vec3& p_mm, const
   }
   mark_.clear();
   return found;
+}
+
+bool SurfaceIndex::edge_between(const Snapshot& s, const SkinTouch& from, const SkinTouch& to) {
+  const SurfaceView& view = s.topology->view;
+  const Vec3 way = to.X_mm - from.X_mm, up = from.N + to.N;
+  const Vec3 across = up.cross(way);
+  if (from.triangle < 0 || to.triangle < 0 || across.squaredNorm() <= 0) return false;
+  Eigen::Matrix<double, 2, 3> plane;
+  plane << way.normalized().transpose(), across.normalized().transpose();
+  // What lies further above or below than half the way is of a fold behind them. A place on an edge is not beyond it.
+  constexpr double kOnEdge_mm = 0.05;
+  const double length = way.norm(), high = std::max(0.5 * length, 1.0);
+  const Vec2 first(kOnEdge_mm, 0), last(length - kOnEdge_mm, 0);
+  if (length <= 2 * kOnEdge_mm) return false;
+  for (size_t t = 0; t < view.rim.size(); ++t)
+    for (size_t k = 0; view.rim[t] != 0 && k < 3; ++k) {
+      if (!(view.rim[t] >> k & 1)) continue;
+      const Vec3 a = view.X_mm[size_t(view.tri[t][k])] - from.X_mm,
+                 b = view.X_mm[size_t(view.tri[t][(k + 1) % 3])] - from.X_mm;
+      if (std::abs((a + b).dot(up.normalized())) > 2 * high) continue;
+      if (meet_segments(first, last, plane * a, plane * b)) return true;
+    }
+  return false;
 }
 
 SurfaceIndex::Place SurfaceIndex::walk(const Snapshot& s, const Vec3& p_mm, int32_t triangle) const {

@@ -71,6 +71,10 @@ class SurfaceIndex {
   SkinTouch closest_apart(const Snapshot& s, const Vec3& p_mm, const SkinTouch& other, double reach_mm,
                           bool exactly = false);
 
+  /// Whether an edge of a wound crosses the straight way from one place to another at rest, seen from above them: then
+  /// they are on two banks, also where the skin hangs together round the end of a cut. O(triangles)
+  static bool edge_between(const Snapshot& s, const SkinTouch& from, const SkinTouch& to);
+
   /// Corners of the skin triangles around a touched place, those first that are fewest triangles away, none further
   /// than reach_mm; as many as fit. How many.
   int facets_around(const Snapshot& s, const SkinTouch& place, double reach_mm,

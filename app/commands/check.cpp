@@ -187,6 +187,13 @@ void print_head_scene(const HeadScene& h) {
                 t.tissue.young_kPa, kTissueKinds[size_t(t.tissue.mode)],
                 t.outline_names.empty() ? fmt::format("{:.3g} mm around", t.tissue.face_radius_mm).c_str()
                                         : fmt::format("within {} places", t.outline_names.size()).c_str());
+  for (const HeadScene::MuscleAt& m : h.muscles)
+    std::printf("muscle      %s, %.3g mm about a line of %zu places, %.4g kPa%s\n", m.bundle.name.c_str(),
+                m.bundle.radius_mm, m.names.size(), m.bundle.young_kPa,
+                m.bundle.k1_kPa > 0 ? fmt::format(" between fibres of {:.4g} kPa", m.bundle.k1_kPa).c_str() : "");
+  for (const HeadScene::SlideAt& s : h.slides)
+    std::printf("slide       %s, %.3g mm around on bone, %.3g kPa a mm\n", s.slide.name.c_str(), s.slide.radius_mm,
+                s.slide.kPa_per_mm);
 }
 
 void check_scene(const Scene& scene) {

@@ -115,6 +115,10 @@ HeadParts head_parts(const Scene& scene, Workers& workers) {
     simplex::FaceBundle& b = parts.muscles.emplace_back(m.bundle);
     fill(b.path_mm, m.names, "muscle");
   }
+  for (const HeadScene::SlideAt& s : h.slides) {
+    simplex::FaceSlide& into = parts.slides.emplace_back(s.slide);
+    if (!s.landmark.empty()) into.at_mm = place_of(s.landmark, "slide");
+  }
   return parts;
 }
 

@@ -97,7 +97,7 @@ struct ResultHead {
   MaybeList<ResultMeasure> cephalometry, asymmetry, picked;
   MaybeList<ResultSoftRatio> soft_to_hard;
   MaybeList<ResultBoneOutside> bone_outside;  // one, where there is a face
-  Maybe face_moved_max_mm, face_moved_mean_mm;
+  Maybe face_moved_max_mm, face_moved_mean_mm, face_stretch_p99;
   MaybeList<ResultTissue> tissues;
   MaybeList<std::string> warnings;
 };
@@ -105,7 +105,8 @@ void fields(ResultHead& x, auto&& f) {
   f("fragments", x.fragments), f("gaps", x.gaps), f("fits", x.fits), f("landmarks", x.landmarks);
   f("cephalometry", x.cephalometry), f("asymmetry", x.asymmetry), f("picked", x.picked);
   f("soft_to_hard", x.soft_to_hard), f("bone_outside", x.bone_outside);
-  f("face_moved_max_mm", x.face_moved_max_mm), f("face_moved_mean_mm", x.face_moved_mean_mm);
+  f("face_moved_max_mm", x.face_moved_max_mm), f("face_moved_mean_mm", x.face_moved_mean_mm),
+      f("face_stretch_p99", x.face_stretch_p99);
   f("tissues", x.tissues), f("warnings", x.warnings);
 }
 

@@ -31,6 +31,7 @@ double turned_deg(const Eigen::Isometry3d& pose) {
 
 struct Moved {
   double most_mm = 0, mean_mm = 0;  // mean: of the places that moved by more than 0.1 mm
+  double stretch_p99 = 1;           // 99 % of the edges at these places are drawn out by less
   int64_t places = 0;
 };
 
@@ -38,13 +39,25 @@ Moved face_moved(const Head& head) {
   Moved m;
   const simplex::Mesh& face = head.face();
   const std::vector<Vec3>& X = head.face_model().rest_mm();
+  std::vector<double> stretch;
   for (int32_t v = 0; v < face.slots(); ++v) {
     if (!face.alive(v)) continue;
     const double d = (face.x_mm[size_t(v)] - X[size_t(v)]).norm();
     m.most_mm = std::max(m.most_mm, d);
-    if (d > 0.1) m.mean_mm += d, ++m.places;
+    if (d <= 0.1) continue;
+    m.mean_mm += d, ++m.places;
+    for (const int32_t w : face.nbr[size_t(v)]) {
+      if (w < 0) continue;
+      const double rest_mm = (X[size_t(w)] - X[size_t(v)]).norm();
+      if (rest_mm > 0) stretch.push_back((face.x_mm[size_t(w)] - face.x_mm[size_t(v)]).norm() / rest_mm);
+    }
   }
   if (m.places > 0) m.mean_mm /= double(m.places);
+  if (!stretch.empty()) {
+    const auto at = stretch.begin() + long(0.99 * double(stretch.size() - 1));
+    std::nth_element(stretch.begin(), at, stretch.end());
+    m.stretch_p99 = *at;
+  }
   return m;
 }
 
@@ -307,7 +320,7 @@ void fill_head(Result& r, const Head& head) {
   if (head.has_face()) {
     const Moved m = face_moved(head);
     out.face_moved_max_mm = bones.face_moved_max_mm = m.most_mm;
-    out.face_moved_mean_mm = m.mean_mm;
+    out.face_moved_mean_mm = m.mean_mm, out.face_stretch_p99 = m.stretch_p99;
     tables.push_back(soft_to_hard(out, head));
     tables.push_back(pierced(out, head));
   }
@@ -333,7 +346,8 @@ void print_head(const Head& head) {
   for (const std::string& line : head.face_model().describe()) std::printf("tissue      %s\n", line.c_str());
   for (const std::string& line : head.face_model().warnings()) std::printf("  note      %s\n", line.c_str());
   const Moved m = face_moved(head);
-  std::printf("face        moved by at most %.2f mm\n", m.most_mm);
+  std::printf("face        moved by at most %.2f mm, drawn out to %.2f of its length (99 %% of what moved)\n",
+              m.most_mm, m.stretch_p99);
 }
 
 void leave_head_figures(Result& r, const Head& head, const std::vector<std::string>& normal_files,

@@ -54,6 +54,16 @@ std::string muscles_section(const PatientModel& p) {
   return t.empty() ? t : "# Fibres within it; the CT does not tell them.\n" + t;
 }
 
+/// The scalp slides on the vault, as far down as the middle of the forehead.
+std::string slide_section(const PatientModel& p) {
+  const FoundLandmark *top = find_landmark(p.anatomy.landmark, "V"), *brow = find_landmark(p.anatomy.landmark, "g'");
+  if (!top || !brow) return "";
+  return fmt::format(
+      "# The scalp slides on the vault; how easily, the CT does not tell.\n[[head.slide]]\nname = \"scalp\"\nat = "
+      "\"V\"\nradius_mm = {:.0f}\nkPa_per_mm = 0.05\n\n",
+      0.8 * (top->at_mm - brow->at_mm).norm());
+}
+
 std::string landmarks_section(const PatientModel& p, bool skin) {
   std::string t = skin ? "\n[head.face_landmarks]\n" : "[head.landmarks]\n";
   for (const FoundLandmark& l : p.anatomy.landmark)
@@ -87,7 +97,7 @@ std::string patient_scene(const PatientModel& p, double reach_mm, const std::str
              "# Soft tissue between bone and the skin over it.\n[[head.tissue]]\nname = \"soft tissue\"\nface = "
              "\"sn\"\nface_radius_mm = {:.0f}\nlayers = {}\nyoung_kPa = {:.0f}\nmode = \"finite_elements\"\n\n",
              reach_mm, kPatientTissueLayers, kPatientTissue_kPa) +
-         muscles_section(p);
+         muscles_section(p) + slide_section(p);
   t += landmarks_section(p, false);
   if (face) t += landmarks_section(p, true);
   return t + camera_section(p);

@@ -29,6 +29,8 @@
 //   [[head.muscle]]  in tissues of finite elements, beneath the skin: name, path = two places or names of landmarks or
 //                    more, radius_mm, young_kPa between the fibres, and of these k1_kPa, k2
 //                    (sim/fem/materials/fibres.h); without k1_kPa a ligament
+//   [[head.slide]]   where skin slides on bone, in the lowest of two layers or more of finite elements: name,
+//                    at = a place or a landmark, radius_mm, kPa_per_mm (sim/skull/face/face_slide.h)
 //   [head.landmarks] NAME = [x, y, z] on bone;  [head.face_landmarks] the same on the face
 #include <optional>
 #include <string>
@@ -37,6 +39,7 @@
 
 #include "sim/commands/head_command.h"
 #include "sim/skull/face/face_bundle.h"
+#include "sim/skull/face/face_slide.h"
 #include "sim/skull/simplex/mesh.h"
 
 namespace limberg {
@@ -72,6 +75,11 @@ struct HeadScene {
     std::vector<std::string> names;  // of landmarks, per place of the path; empty: the place is given
   };
   std::vector<MuscleAt> muscles;
+  struct SlideAt {
+    simplex::FaceSlide slide;  // its place is filled in when the head is built
+    std::string landmark;      // empty: the place is given
+  };
+  std::vector<SlideAt> slides;
   std::vector<std::pair<std::string, Vec3>> landmarks, face_landmarks;
 };
 

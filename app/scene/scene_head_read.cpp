@@ -132,6 +132,19 @@ HeadScene::MuscleAt read_muscle(const toml::table& table, const std::string& fil
   return out;
 }
 
+HeadScene::SlideAt read_slide(const toml::table& table, const std::string& file) {
+  Table t(&table, "head.slide", file);
+  HeadScene::SlideAt out;
+  simplex::FaceSlide& s = out.slide;
+  if (!t.has("name")) t.fail("name", "is missing; expected a name");
+  t.text("name", s.name, 60);
+  place(t, table, "at", s.at_mm, out.landmark);
+  t.real("radius_mm", s.radius_mm, 0.1, 500);
+  t.real("kPa_per_mm", s.kPa_per_mm, 1e-4, 1e4);
+  t.finish();
+  return out;
+}
+
 /// Its surfaces are read when a skull is laid upon them; here they are only looked for.
 void read_normal_skull(Table& t, const toml::table& head, const std::string& file, std::vector<std::string>& out) {
   constexpr const char* kKey = "normal_skull";
@@ -238,7 +251,7 @@ std::optional<HeadScene> read_head(const toml::table& root, const std::string& f
   h.picture_from_head = read_isometry(t, table, "picture_from_head");
   t.real("carries_skin_mm", h.carries_skin_mm, 0, 1000);
   t.finish({"source", "bones", "axes", "face", "fixed", "show_face", "picture_from_head", "normal_skull", "tissue",
-            "muscle", "landmarks", "face_landmarks"});
+            "muscle", "slide", "landmarks", "face_landmarks"});
   if (const toml::node* n = table.get("tissue")) {
     const toml::array* a = n->as_array();
     if (!a || a->size() > kMostTissues)
@@ -259,6 +272,13 @@ std::optional<HeadScene> read_head(const toml::table& root, const std::string& f
       throw InputError(file, int(n->source().begin.line),
                        "head.muscle is no list of at most 50 tables; expected [[head.muscle]]");
     for (const toml::node& e : *a) h.muscles.push_back(read_muscle(*e.as_table(), file));
+  }
+  if (const toml::node* n = table.get("slide")) {
+    const toml::array* a = n->as_array();
+    if (!a || a->size() > kMostMuscles || !a->is_array_of_tables())
+      throw InputError(file, int(n->source().begin.line),
+                       "head.slide is no list of at most 50 tables; expected [[head.slide]]");
+    for (const toml::node& e : *a) h.slides.push_back(read_slide(*e.as_table(), file));
   }
   read_landmarks(table, "landmarks", file, h.landmarks);
   read_landmarks(table, "face_landmarks", file, h.face_landmarks);

@@ -1,6 +1,8 @@
 // The tools that a hand chooses: what a press, a way and letting go mean with each, on flat skin.
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "devices/command_builder.h"
 #include "devices/emulator.h"
 #include "devices/gestures.h"
@@ -87,6 +89,46 @@ TEST(HandTools, ABuriedStitchHasTheDepthThatWasChosenAndASingleOneNone) {
     EXPECT_EQ(s->depth_mm, depth);
     EXPECT_NEAR(s->a.x(), -3, 0.01);
     EXPECT_NEAR(s->b.x(), 3, 0.01);
+  }
+}
+
+TEST(HandTools, AStitchBesideTheEndOfACutTakesTheOtherBankThoughTheSkinHangsTogetherRoundIt) {
+  // A cut along x = 0 that ends at y = 0; .7 mm above the bank on the right lies a leaf of other skin.
+  auto t = std::make_shared<SurfaceTopology>(*flat_topology(240, 1));
+  SurfaceView& view = t->view;
+  view.rim.assign(view.tri.size(), 0);
+  std::map<int32_t, int32_t> other;
+  for (size_t k = 0; k < view.tri.size(); ++k) {
+    Vec3 middle = Vec3::Zero();
+    for (const int32_t v : view.tri[k]) middle += view.X_mm[size_t(v)] / 3;
+    if (std::abs(middle.x()) > 0.6 || middle.y() > 0 || middle.y() < -20) continue;
+    const auto on_cut = [&](int32_t v) { return view.X_mm[size_t(v)].x() == 0; };
+    for (size_t c = 0; c < 3; ++c)
+      if (on_cut(view.tri[k][c]) && on_cut(view.tri[k][(c + 1) % 3])) view.rim[k] |= uint8_t(1 << c);
+    for (int32_t& v : view.tri[k]) {
+      if (middle.x() < 0 || !on_cut(v) || view.X_mm[size_t(v)].y() >= 0) continue;
+      const auto [at, anew] = other.try_emplace(v, int32_t(view.X_mm.size()));
+      if (anew) view.X_mm.push_back(Vec3(view.X_mm[size_t(v)]));
+      v = at->second;
+    }
+  }
+  const auto n = int32_t(view.X_mm.size());
+  for (const Vec3& X : {Vec3(0.2, -3, 0.7), Vec3(3, -3, 0.7), Vec3(0.2, 2, 0.7)}) view.X_mm.push_back(X);
+  view.tri.push_back({n, n + 1, n + 2}), view.kind.push_back(FaceKind::skin), view.rim.push_back(0);
+  for (const bool in_space : {true, false}) {  // false: a recording from before
+    GestureSettings set;
+    set.in_space = in_space;
+    Hand h(snapshot_of(t), set);
+    h.choose(Tool::suture);
+    h.at(-0.7, -0.7, false), h.at(-0.7, -0.7, true), h.at(0.7, -0.7, true), h.at(0.7, -0.7, false);
+    ASSERT_EQ(h.out.events.size(), 2u);
+    EXPECT_NEAR(h.out.events.back().rest_mm[2], in_space ? 0 : 0.7, 1e-6);
+    EXPECT_TRUE(h.out.all.empty());
+    // On one bank it is the leaf that is meant, and where there is none the hand is told.
+    h.at(0.7, -0.7, false), h.at(0.7, -0.7, true), h.at(0.7, -1.9, true), h.at(0.7, -1.9, false);
+    EXPECT_NEAR(h.out.events.back().rest_mm[2], 0.7, 1e-6);
+    h.at(5, -0.7, false), h.at(5, -0.7, true), h.at(5, -1.9, true), h.at(5, -1.9, false);
+    EXPECT_EQ(h.out.all.size(), 1u);
   }
 }
 

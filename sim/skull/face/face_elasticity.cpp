@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "sim/base/elementary.h"
 #include "sim/base/error.h"
 #include "sim/fem/elements/shaped_cells.h"
 #include "sim/fem/materials/stable_neo_hookean.h"
@@ -43,7 +44,7 @@ FaceElasticity::FaceElasticity(std::span<const Body> bodies, const ElasticitySet
     for (size_t k = 0; k == 0 || k + 1 < b.path_mm.size(); ++k)  // a path without a piece is refused with its first
       laws.push_back(shaped.add_law(bundle_law(b, k, s.poisson)));
   }
-  bundled_.resize(s.bundles.size());
+  bundled_.resize(s.bundles.size()), sliding_.resize(s.slides.size());
   std::map<std::array<double, 3>, int32_t> weld;  // nodes on the skin by their place, the same bits where regions meet
   for (const Body& b : bodies) {
     const Tissue& t = *b.tissue;
@@ -70,19 +71,40 @@ FaceElasticity::FaceElasticity(std::span<const Body> bodies, const ElasticitySet
       return shaped.add_law(stable_neo_hookean_full(e.mu_kPa, e.lambda_kPa, e.mu_kPa));
     };
     const int32_t fat = law(b.young_kPa), skin = law(skinned);
+    std::map<std::pair<int, int>, int32_t> loose;  // by the slide, and the layer's thickness in steps of a twentieth
+    const auto loose_law = [&](int slide, const std::array<int32_t, 4>& q) {
+      double thickness_mm = 0;
+      for (const int32_t v : q) {
+        const size_t column = size_t(v) % n;
+        thickness_mm += 0.25 * (t.node_mm[n + column] - t.node_mm[column]).norm();
+      }
+      const int step = int(std::lround(elementary::log(thickness_mm) / elementary::log(1.05)));
+      const auto [at, anew] = loose.try_emplace({slide, step}, 0);
+      if (anew)
+        at->second =
+            shaped.add_law(slide_law(s.slides[size_t(slide)], elementary::pow(1.05, step), b.young_kPa, s.poisson));
+      return at->second;
+    };
     const size_t of_layer = t.tet.size() / size_t(t.layers);
     for (size_t k = 0; k < t.tet.size(); ++k) {
       std::array<int32_t, 4> q{};
       for (size_t c = 0; c < 4; ++c) q[c] = number[size_t(t.tet[k][c])];
       const bool top_layer = k / of_layer + 1 == size_t(t.layers);
       int32_t own = top_layer ? skin : fat;
-      if (!top_layer && !s.bundles.empty()) {
+      if (!top_layer && !(s.bundles.empty() && s.slides.empty())) {
         std::array<Vec3, 4> X;
         for (size_t c = 0; c < 4; ++c) X[c] = t.node_mm[size_t(t.tet[k][c])];
-        if (const auto in = bundle_at(s.bundles, 0.25 * (X[0] + X[1] + X[2] + X[3]))) {
+        const Vec3 middle = 0.25 * (X[0] + X[1] + X[2] + X[3]);
+        const auto count = [&](Bundled& in) {
+          ++in.tetrahedra;
+          in.volume_mm3 += std::fabs((X[1] - X[0]).cross(X[2] - X[0]).dot(X[3] - X[0])) / 6;
+        };
+        if (const auto in = bundle_at(s.bundles, middle)) {
           own = law_of[in->bundle][in->piece];
-          ++bundled_[in->bundle].tetrahedra;
-          bundled_[in->bundle].volume_mm3 += std::fabs((X[1] - X[0]).cross(X[2] - X[0]).dot(X[3] - X[0])) / 6;
+          count(bundled_[in->bundle]);
+        } else if (const int slide = k < of_layer ? slide_at(s.slides, middle) : -1; slide >= 0) {
+          own = loose_law(slide, t.tet[k]);
+          count(sliding_[size_t(slide)]);
         }
       }
       shaped.add_tet(q, own);
@@ -120,7 +142,7 @@ FaceElasticity::Report FaceElasticity::step(std::vector<Vec3>& u, int iterations
   const std::span<const Vec3f> now = m.solver.displacement_mm();
   for (size_t i = 0; i < u.size(); ++i) u[i] = now[i].cast<double>();
   m.last = u;
-  return {r.iterations, r.residual, r.distance_mm, r.inverted_cells, r.converged};
+  return {r.iterations, r.residual, r.distance_mm, r.inverted_cells, r.converged || r.at_floor};
 }
 
 }  // namespace limberg::simplex

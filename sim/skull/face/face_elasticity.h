@@ -5,7 +5,8 @@
 // Nodes under the tissue are held where the bone is; all others are free: the
 // skin and the sides carry no load. Stable neo- Hookean fat; the top layer is a
 // mixture by thickness of fat and skin, a membrane as far as one layer of
-// tetrahedra can be one; below it muscles may lie (face_bundle.h). Tissues of
+// tetrahedra can be one; below it muscles may lie (face_bundle.h), and on bone
+// what lets skin slide (face_slide.h). Tissues of
 // neighbouring regions share the nodes on the skin where their regions meet.
 // Linear tetrahedra lock as Poisson's ratio goes to 1/2: 0.45 is as far as it
 // should go, and one layer has no inner nodes.
@@ -15,6 +16,7 @@
 
 #include "sim/base/workers.h"
 #include "sim/skull/face/face_bundle.h"
+#include "sim/skull/face/face_slide.h"
 #include "sim/skull/simplex/tissue.h"
 
 namespace limberg::simplex {
@@ -24,6 +26,7 @@ struct ElasticitySettings {
   double skin_mm = 2;     // thickness of the skin, part of the top layer
   double skin_kPa = 60;   // its Young modulus; 0: fat alone
   std::vector<FaceBundle> bundles;
+  std::vector<FaceSlide> slides;  // of tissues of two layers or more
 };
 
 /// Young's modulus of a tissue's top layer: skin and fat by their shares of its mean thickness.
@@ -43,12 +46,13 @@ class FaceElasticity {
   size_t nodes() const;
   /// The number here of node i of a body (welded nodes have one).
   int32_t node(size_t body, size_t i) const { return node_[body][i]; }
-  /// How many tetrahedra each of the bundles has, and their volume.
+  /// How many tetrahedra each of the bundles has, and their volume; of what slides the same.
   struct Bundled {
     int tetrahedra = 0;
     double volume_mm3 = 0;
   };
   const std::vector<Bundled>& bundled() const { return bundled_; }
+  const std::vector<Bundled>& sliding() const { return sliding_; }
   bool held(int32_t node) const { return held_[size_t(node)]; }
   /// Holds other nodes than the bones' (tests). One flag per node.
   void hold(std::span<const uint8_t> held);
@@ -57,7 +61,7 @@ class FaceElasticity {
     int iterations = 0;
     double residual = 0, distance_mm = 0;  // fem/elastic_solver.h
     int inverted = 0;
-    bool converged = false;
+    bool converged = false;  // or as near as single precision comes
   };
   /// From the displacements given (mm per node: where the held ones go, where the others begin) so many iterations
   /// towards equilibrium, in place.
@@ -68,7 +72,7 @@ class FaceElasticity {
   std::unique_ptr<Impl> impl_;
   std::vector<std::vector<int32_t>> node_;
   std::vector<uint8_t> held_;
-  std::vector<Bundled> bundled_;
+  std::vector<Bundled> bundled_, sliding_;
 };
 
 }  // namespace limberg::simplex

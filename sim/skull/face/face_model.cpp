@@ -239,6 +239,14 @@ std::vector<std::string> FaceModel::describe() const {
             ? fmt::format("muscle {}: {} tetrahedra, {:.0f} mm³", bundles[b].name, in.tetrahedra, in.volume_mm3)
             : fmt::format("muscle {} lies in no finite elements beneath the skin", bundles[b].name));
   }
+  const std::vector<FaceSlide>& slides = settings_.elasticity.slides;
+  for (size_t k = 0; k < slides.size(); ++k) {
+    const FaceElasticity::Bundled in = elastic_ ? elastic_->sliding()[k] : FaceElasticity::Bundled{};
+    out.push_back(in.tetrahedra > 0 ? fmt::format("skin slides on bone, {}: {} tetrahedra, {:.0f} mm³, {:.3g} kPa a mm",
+                                                  slides[k].name, in.tetrahedra, in.volume_mm3, slides[k].kPa_per_mm)
+                                    : fmt::format("slide {} lies in no finite elements of two layers or more on bone",
+                                                  slides[k].name));
+  }
   return out;
 }
 

@@ -117,8 +117,7 @@ class FaceModel {
   /// Regions that hang on several fragments since the last rebind, a sentence each.
   const std::vector<std::string>& warnings() const { return warnings_; }
   bool at_rest() const { return at_rest_; }
-  /// Largest part of an edge's length by which it has changed, and displacement of the face: rms over the vertices that
-  /// may move, and the largest.
+  /// Displacement of the face: rms over the vertices that may move, and the largest.
   struct Moved {
     double rms_mm = 0, max_mm = 0;
   };

@@ -46,6 +46,7 @@ struct HeadParts {
   std::shared_ptr<const FaceTexture> texture;  // of the face, instead; may be null
   std::vector<ConnectTissue> tissues;          // connected in this order; one that cannot be is an InputError
   std::vector<simplex::FaceBundle> muscles;
+  std::vector<simplex::FaceSlide> slides;
   int face_iterations = 12;  // of one step
 };
 
