@@ -16,9 +16,10 @@ namespace {
 constexpr double kThickest_mm = 40;     // a lip is 8 to 15, a nose or a cheek up to 30: beyond, nobody cuts through
 constexpr double kMarginReach_mm = 12;  // so far from the last post a free margin is looked for
 constexpr double kMarginStep_mm = 0.75;
-constexpr double kBesideCut_mm = 1.0;  // a closed end this near to an earlier cut joins it
-constexpr double kOffBed_mm = 3.0;     // a place may lie so far off the bed that it means
-constexpr double kAboveBed_mm = 0.3;   // so far the blade stands out of it, into the flap, which has no seed there
+constexpr double kBesideCut_mm = 1.0;      // a closed end this near to an earlier cut joins it
+constexpr double kOffBed_mm = 3.0;         // a place may lie so far off the bed that it means
+constexpr double kShortOfMargin_mm = 3.0;  // a bed may end so far before a post at a free margin
+constexpr double kAboveBed_mm = 0.3;       // so far the blade stands out of it, into the flap, which has no seed there
 
 /// One column of the ruled blade.
 struct Ruling {
@@ -44,9 +45,12 @@ std::optional<Ruling> ruling_at(const Skin& skin, const Vec3& X, const Vec3& out
   return best;
 }
 
-/// The same from the bed of a pocket near X.
-std::optional<Ruling> ruling_from_bed(const Skin& skin, const PocketMap& pockets, const Vec3& X, const Vec3& out) {
-  const auto height = pockets.height(X, out, kOffBed_mm);
+/// The same from the bed of a pocket near X. `up`: the skin's normal along the path; beside a free margin that of the
+/// nearest skin is the margin's.
+std::optional<Ruling> ruling_from_bed(const Skin& skin, const PocketMap& pockets, const Vec3& X, const Vec3& out,
+                                      const Vec3& up) {
+  auto height = pockets.at(X, out, skin.frame(X).normal, kOffBed_mm);
+  if (!height) height = pockets.at(X, out, up, kOffBed_mm);
   if (!height) return std::nullopt;
   const Vec3 bed = X + *height * out;
   for (const Bvh::LineHit& h : skin.surface().line(bed, -out, 0.1, kThickest_mm))
@@ -212,17 +216,27 @@ BladeResult build_through(const BladeContext& c, const Skin& skin, const Through
   if (length < kShortest)
     return refuse(fmt::format("a cut right through of {:.2f} mm; expected at least {:g}", length, kShortest));
   const double margin = margin_of(c);
+  Vec3 up = Vec3::Zero();
+  for (const Ruling& r : drawn) up += skin.frame(r.X).normal;
+  up.normalize();
   std::string why;
   for (const double stiffness : kStiffness) {
     const std::vector<Vec3> out = directions(drawn, stiffness);
     std::vector<Ruling> rulings;
     why.clear();
-    for (size_t i = 0; i < drawn.size() && why.empty(); ++i) {
-      // Chords of a curved skin run below it, or over a hollow.
-      const auto r = on_bed ? ruling_from_bed(skin, pockets, drawn[i].X, out[i])
-                            : ruling_at(skin, drawn[i].X, out[i], 0.5 * length + kOffSkin_mm);
-      if (r)
-        rulings.push_back(*r);
+    size_t begin = 0, end_of = drawn.size();
+    std::vector<std::optional<Ruling>> found;
+    for (size_t i = 0; i < drawn.size(); ++i)  // chords of a curved skin run below it, or over a hollow
+      found.push_back(on_bed ? ruling_from_bed(skin, pockets, drawn[i].X, out[i], up)
+                             : ruling_at(skin, drawn[i].X, out[i], 0.5 * length + kOffSkin_mm));
+    // A pocket ends short of a free margin: over an open end the blade goes on from where there is a bed.
+    const auto short_of = [&](size_t a, size_t b) { return (drawn[a].X - drawn[b].X).norm() <= kShortOfMargin_mm; };
+    while (on_bed && cut.open_end && end_of > 2 && !found[end_of - 1] && short_of(end_of - 1, drawn.size() - 1))
+      --end_of;
+    while (on_bed && cut.open_start && begin + 2 < end_of && !found[begin] && short_of(begin, 0)) ++begin;
+    for (size_t i = begin; i < end_of && why.empty(); ++i) {
+      if (found[i])
+        rulings.push_back(*found[i]);
       else if (on_bed)
         why = fmt::format(
             "at {} there is no bed within {:g} mm with a free side within {:g} mm below; a place on what was "
@@ -240,17 +254,18 @@ BladeResult build_through(const BladeContext& c, const Skin& skin, const Through
       std::vector<Ruling> beyond;
       Vec3 way = last.X - before.X;
       way = (way - way.dot(last.out) * last.out).normalized();
-      if (open) {
-        beyond = over_margin(skin, last, way, margin, on_bed);
-        if (beyond.empty())
-          why = fmt::format("\"{}\": no free margin within {:g} mm of {}; a post nearer to the margin was expected",
-                            name, kMarginReach_mm, at_text(last.X));
-      } else if (const WoundMap wounds(c); !wounds.empty()) {
+      if (open) beyond = over_margin(skin, last, way, margin, on_bed);
+      if (!beyond.empty()) return beyond;
+      // An open end may also run into an earlier cut, whose banks are free.
+      if (const WoundMap wounds(c); !wounds.empty()) {
         const double near = wounds.nearest(view.chart.to_chart(last.X)).distance;
         Ruling on = last;
         on.X += (near + overshoot_of(c)) * way, on.drawn = false;
-        if (near <= kBesideCut_mm) beyond.push_back(on);
+        if (near <= (open ? kShortOfMargin_mm : kBesideCut_mm)) beyond.push_back(on);
       }
+      if (open && beyond.empty())
+        why = fmt::format("\"{}\": no free margin within {:g} mm of {}; a post nearer to the margin was expected", name,
+                          kMarginReach_mm, at_text(last.X));
       return beyond;
     };
     std::vector<Ruling> before = end(cut.open_start, rulings[0], rulings[1], "open_start");

@@ -13,15 +13,16 @@ namespace {
 // from where it is below: near there.
 constexpr double kAbove = 0.2, kBelow = 0.05;
 constexpr double kParallel = 0.85;  // cosine between wall and sheet
+constexpr double kSlanted = 0.2;    // and between the normal of a wall and a line that meets it
 
 }  // namespace
 
-std::optional<double> PocketMap::height(const Vec3& p_mm, const Vec3& n, double reach_mm) const {
+std::optional<double> PocketMap::at(const Vec3& p_mm, const Vec3& n, const Vec3& up, double reach_mm) const {
   if (!arrangement_) return std::nullopt;
   const ArrangementStore& s = arrangement_->store();
   const double unit = s.grid.half_unit_mm(), reach = reach_mm / unit;
   const Vec3 p = (p_mm - s.grid.origin_mm) / unit;
-  const Vec3 box = Vec3::Constant(reach);
+  const Vec3 box = Vec3::Constant(reach / (n == up ? 1 : kSlanted));
   std::optional<double> best;
   s.blades_near(box_within(p - box, p + box), [&](int32_t o, const IntBox&) {
     if (s.orig[o].live == 0) return;
@@ -31,10 +32,12 @@ std::optional<double> PocketMap::height(const Vec3& p_mm, const Vec3& n, double 
                  &c = s.points.approx(s.face[f].v[2]);
       const Vec3 m = (b - a).cross(c - a);
       const double across = m.dot(n);
-      if (std::abs(across) < kParallel * m.norm()) return;  // the whole original triangle stands upright
+      if (std::abs(m.dot(up)) < kParallel * m.norm() || std::abs(across) < kSlanted * m.norm())
+        return;  // the whole original triangle stands upright
       const double h = m.dot(a - p) / across;
       const Vec3 q = p + h * n;
-      if (std::abs(h) > reach || (best && std::abs(*best) <= std::abs(h) * unit)) continue;
+      const double off = n == up ? std::abs(h) : std::abs(h * across) / m.norm();
+      if (off > reach || (best && std::abs(*best) <= std::abs(h) * unit)) continue;
       const double e = -1e-9 * m.squaredNorm();
       if ((b - a).cross(q - a).dot(m) < e || (c - b).cross(q - b).dot(m) < e || (a - c).cross(q - c).dot(m) < e)
         continue;

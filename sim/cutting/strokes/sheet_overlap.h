@@ -14,7 +14,12 @@ class PocketMap {
  public:
   explicit PocketMap(const Arrangement* arrangement) : arrangement_(arrangement) {}
   /// Height in mm above p (along the unit normal n) of the nearest live wall that runs across n within `reach`.
-  std::optional<double> height(const Vec3& p_mm, const Vec3& n, double reach_mm) const;
+  std::optional<double> height(const Vec3& p_mm, const Vec3& n, double reach_mm) const {
+    return at(p_mm, n, n, reach_mm);
+  }
+  /// The same of a wall along the skin, whose normal is `up`, for a line that may lean against it by 78 degrees: p lies
+  /// within `reach` of the wall's plane.
+  std::optional<double> at(const Vec3& p_mm, const Vec3& n, const Vec3& up, double reach_mm) const;
 
  private:
   const Arrangement* arrangement_;

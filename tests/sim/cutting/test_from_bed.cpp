@@ -40,7 +40,7 @@ struct Pocketed {
     EXPECT_TRUE(sheet.blade) << sheet.reason;
     EXPECT_TRUE(a.cut(*sheet.blade, 9).ok());
   }
-  BladeResult through(const std::vector<Vec3>& on_bed, bool open = false) {
+  BladeResult through(const std::vector<Vec3>& on_bed, bool open = false, const Vec3& out = Vec3::UnitZ()) {
     std::vector<Vec3> seen;
     for (const Vec3& X : on_bed) seen.push_back(skin.nearest(X).X_mm);
     std::string reason;
@@ -48,8 +48,7 @@ struct Pocketed {
     BladeContext c = context();
     c.view = &view;
     c.skin = [this](const ChartPoint& p) { return skin.at(p, view); };
-    const std::vector<Vec3> up(on_bed.size(), Vec3::UnitZ());
-    return build_through(c, skin, {up, open, open, on_bed});
+    return build_through(c, skin, {std::vector<Vec3>(on_bed.size(), out), open, open, on_bed});
   }
   /// Area and highest place of the walls that stand across x near 0.
   std::pair<double, double> walls_across() const {
@@ -92,6 +91,42 @@ TEST(FromBed, GoesOnOverFreeMarginsBelowTheFlap) {
   EXPECT_LT(area, all);
   EXPECT_GT(area, all - 2 * 4 * 0.3);
   EXPECT_NEAR(top, -(kBed_mm - kSheetRaise), 0.05) << "nothing of it above the bed";
+}
+
+// The blade leans by 50 degrees; its places lie up to 2 mm off the bed.
+TEST(FromBed, ABladeMayLeanAgainstTheBed) {
+  Pocketed s;
+  const double lean = 50 * M_PI / 180;
+  const BladeResult b =
+      s.through({{-3, -6, -kBed_mm + 1}, {-5, 6, -kBed_mm - 2}}, false, Vec3(std::sin(lean), 0, std::cos(lean)));
+  ASSERT_TRUE(b.blade) << b.reason;
+  const double before = s.a.volume_mm3();
+  ASSERT_TRUE(s.a.cut(*b.blade, 11).ok());
+  EXPECT_EQ(s.a.check_all(), "");
+  EXPECT_NEAR(s.a.volume_mm3(), before, 1e-9 * before);
+  double area = 0;
+  for (const Face& f : s.a.faces()) {
+    if (!f.live() || f.mat != 3) continue;
+    const Vec3 p = s.a.point_mm(f.v[0]), q = s.a.point_mm(f.v[1]), r = s.a.point_mm(f.v[2]);
+    const Vec3 n = 0.5 * (q - p).cross(r - p);
+    if (n.norm() > 1e-9 && std::abs(std::abs(n.x()) / n.norm() - std::cos(lean)) < 0.05) area += n.norm();
+  }
+  // As long as its places are apart on the bed, and as deep as the slab is along it.
+  const double up = 1 * std::tan(lean), down = 2 * std::tan(lean), length = std::hypot(12, -2 + up + down);
+  EXPECT_NEAR(area, length * (kThick_mm - kBed_mm + kSheetRaise) / std::cos(lean), 0.06 * area);
+}
+
+// The pocket ends 3 mm before the margin, the last post lies between: the blade goes on from where there is a bed.
+TEST(FromBed, GoesOnOverAMarginThatThePocketEndsBefore) {
+  Pocketed s;
+  const BladeResult b = s.through({{0, -10.5, -kBed_mm}, {0, 10.5, -kBed_mm}}, true);
+  ASSERT_TRUE(b.blade) << b.reason;
+  ASSERT_TRUE(s.a.cut(*b.blade, 11).ok());
+  EXPECT_EQ(s.a.check_all(), "");
+  const double all = 24 * (kThick_mm - kBed_mm + kSheetRaise);
+  EXPECT_GT(s.walls_across().first, all - 2 * 4 * 0.3);
+  Pocketed far;
+  EXPECT_FALSE(far.through({{0, -6, -kBed_mm}, {0, 14, -kBed_mm}}, true).blade) << "farther off than 3 mm";
 }
 
 TEST(FromBed, WithoutABedItIsRefusedInWords) {
