@@ -153,7 +153,7 @@ SkinTouch SurfaceIndex::closest_apart(const Snapshot& s, const Vec3& p_mm, const
 
 bool SurfaceIndex::edge_between(const Snapshot& s, const SkinTouch& from, const SkinTouch& to) {
   const SurfaceView& view = s.topology->view;
-  const Vec3 way = to.X_mm - from.X_mm, up = from.N + to.N;
+  const Vec3 way = to.X_mm - from.X_mm, up = (from.N + to.N).normalized();
   const Vec3 across = up.cross(way);
   if (from.triangle < 0 || to.triangle < 0 || across.squaredNorm() <= 0) return false;
   Eigen::Matrix<double, 2, 3> plane;
@@ -168,7 +168,7 @@ bool SurfaceIndex::edge_between(const Snapshot& s, const SkinTouch& from, const 
       if (!(view.rim[t] >> k & 1)) continue;
       const Vec3 a = view.X_mm[size_t(view.tri[t][k])] - from.X_mm,
                  b = view.X_mm[size_t(view.tri[t][(k + 1) % 3])] - from.X_mm;
-      if (std::abs((a + b).dot(up.normalized())) > 2 * high) continue;
+      if (std::abs((a + b).dot(up)) > 2 * high) continue;
       if (meet_segments(first, last, plane * a, plane * b)) return true;
     }
   return false;

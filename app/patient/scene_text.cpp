@@ -6,6 +6,7 @@
 
 #include "app/scene/first_scene.h"
 #include "app/scene/quoted_toml.h"
+#include "sim/skull/face/face_slide.h"
 
 namespace limberg {
 
@@ -60,8 +61,8 @@ std::string slide_section(const PatientModel& p) {
   if (!top || !brow) return "";
   return fmt::format(
       "# The scalp slides on the vault; how easily, the CT does not tell.\n[[head.slide]]\nname = \"scalp\"\nat = "
-      "\"V\"\nradius_mm = {:.0f}\nkPa_per_mm = 0.05\n\n",
-      0.8 * (top->at_mm - brow->at_mm).norm());
+      "\"V\"\nradius_mm = {:.0f}\nkPa_per_mm = {:g}\n\n",
+      0.8 * (top->at_mm - brow->at_mm).norm(), simplex::FaceSlide{}.kPa_per_mm);
 }
 
 std::string landmarks_section(const PatientModel& p, bool skin) {

@@ -11,7 +11,7 @@ namespace limberg {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr size_t kMostLandmarks = 200, kMostTissues = 50, kMostMuscles = 50, kMostBones = 20;
+constexpr size_t kMostLandmarks = 200, kMostTissues = 50, kMostBones = 20;
 
 std::vector<std::string> texts(Table& t, const toml::table& head, const char* key, const char* expected) {
   std::vector<std::string> out;
@@ -84,12 +84,16 @@ void read_landmarks(const toml::table& head, const char* key, const std::string&
   }
 }
 
+void read_name(Table& t, std::string& name) {
+  if (!t.has("name")) t.fail("name", "is missing; expected a name");
+  t.text("name", name, 60);
+}
+
 HeadScene::TissueAt read_tissue(const toml::table& table, const std::string& file) {
   Table t(&table, "head.tissue", file);
   HeadScene::TissueAt out;
   ConnectTissue& c = out.tissue;
-  if (!t.has("name")) t.fail("name", "is missing; expected a name");
-  t.text("name", c.name, 60);
+  read_name(t, c.name);
   const bool drawn = t.has("face_outline");
   if (drawn) {
     if (t.has("face")) t.fail("face", "stands beside face_outline; expected one of the two");
@@ -121,8 +125,7 @@ HeadScene::MuscleAt read_muscle(const toml::table& table, const std::string& fil
   Table t(&table, "head.muscle", file);
   HeadScene::MuscleAt out;
   simplex::FaceBundle& b = out.bundle;
-  if (!t.has("name")) t.fail("name", "is missing; expected a name");
-  t.text("name", b.name, 60);
+  read_name(t, b.name);
   places(t, table, "path", 2, b.path_mm, out.names);
   t.real("radius_mm", b.radius_mm, 0.1, 100);
   t.real("young_kPa", b.young_kPa, 0.01, 1e6);
@@ -136,13 +139,25 @@ HeadScene::SlideAt read_slide(const toml::table& table, const std::string& file)
   Table t(&table, "head.slide", file);
   HeadScene::SlideAt out;
   simplex::FaceSlide& s = out.slide;
-  if (!t.has("name")) t.fail("name", "is missing; expected a name");
-  t.text("name", s.name, 60);
+  read_name(t, s.name);
   place(t, table, "at", s.at_mm, out.landmark);
   t.real("radius_mm", s.radius_mm, 0.1, 500);
   t.real("kPa_per_mm", s.kPa_per_mm, 1e-4, 1e4);
   t.finish();
   return out;
+}
+
+/// The tables of head.KEY, each as `read` has it.
+template <class Read, class Out>
+void read_list(const toml::table& head, const char* key, const std::string& file, Read read, std::vector<Out>& out) {
+  constexpr size_t kMost = 50;
+  const toml::node* n = head.get(key);
+  if (!n) return;
+  const toml::array* a = n->as_array();
+  if (!a || a->size() > kMost || !a->is_array_of_tables())
+    throw InputError(file, int(n->source().begin.line),
+                     fmt::format("head.{0} is no list of at most {1} tables; expected [[head.{0}]]", key, kMost));
+  for (const toml::node& e : *a) out.push_back(read(*e.as_table(), file));
 }
 
 /// Its surfaces are read when a skull is laid upon them; here they are only looked for.
@@ -266,20 +281,8 @@ std::optional<HeadScene> read_head(const toml::table& root, const std::string& f
       h.tissues.push_back(read_tissue(*e.as_table(), file));
     }
   }
-  if (const toml::node* n = table.get("muscle")) {
-    const toml::array* a = n->as_array();
-    if (!a || a->size() > kMostMuscles || !a->is_array_of_tables())
-      throw InputError(file, int(n->source().begin.line),
-                       "head.muscle is no list of at most 50 tables; expected [[head.muscle]]");
-    for (const toml::node& e : *a) h.muscles.push_back(read_muscle(*e.as_table(), file));
-  }
-  if (const toml::node* n = table.get("slide")) {
-    const toml::array* a = n->as_array();
-    if (!a || a->size() > kMostMuscles || !a->is_array_of_tables())
-      throw InputError(file, int(n->source().begin.line),
-                       "head.slide is no list of at most 50 tables; expected [[head.slide]]");
-    for (const toml::node& e : *a) h.slides.push_back(read_slide(*e.as_table(), file));
-  }
+  read_list(table, "muscle", file, read_muscle, h.muscles);
+  read_list(table, "slide", file, read_slide, h.slides);
   read_landmarks(table, "landmarks", file, h.landmarks);
   read_landmarks(table, "face_landmarks", file, h.face_landmarks);
   if (!h.face && !h.face_landmarks.empty())

@@ -45,12 +45,9 @@ std::optional<Ruling> ruling_at(const Skin& skin, const Vec3& X, const Vec3& out
   return best;
 }
 
-/// The same from the bed of a pocket near X. `up`: the skin's normal along the path; beside a free margin that of the
-/// nearest skin is the margin's.
-std::optional<Ruling> ruling_from_bed(const Skin& skin, const PocketMap& pockets, const Vec3& X, const Vec3& out,
-                                      const Vec3& up) {
-  auto height = pockets.at(X, out, skin.frame(X).normal, kOffBed_mm);
-  if (!height) height = pockets.at(X, out, up, kOffBed_mm);
+/// The same from the bed of a pocket near X.
+std::optional<Ruling> ruling_from_bed(const Skin& skin, const PocketMap& pockets, const Vec3& X, const Vec3& out) {
+  const auto height = pockets.at(X, out, skin.frame(X).normal, kOffBed_mm);
   if (!height) return std::nullopt;
   const Vec3 bed = X + *height * out;
   for (const Bvh::LineHit& h : skin.surface().line(bed, -out, 0.1, kThickest_mm))
@@ -216,9 +213,6 @@ BladeResult build_through(const BladeContext& c, const Skin& skin, const Through
   if (length < kShortest)
     return refuse(fmt::format("a cut right through of {:.2f} mm; expected at least {:g}", length, kShortest));
   const double margin = margin_of(c);
-  Vec3 up = Vec3::Zero();
-  for (const Ruling& r : drawn) up += skin.frame(r.X).normal;
-  up.normalize();
   std::string why;
   for (const double stiffness : kStiffness) {
     const std::vector<Vec3> out = directions(drawn, stiffness);
@@ -227,7 +221,7 @@ BladeResult build_through(const BladeContext& c, const Skin& skin, const Through
     size_t begin = 0, end_of = drawn.size();
     std::vector<std::optional<Ruling>> found;
     for (size_t i = 0; i < drawn.size(); ++i)  // chords of a curved skin run below it, or over a hollow
-      found.push_back(on_bed ? ruling_from_bed(skin, pockets, drawn[i].X, out[i], up)
+      found.push_back(on_bed ? ruling_from_bed(skin, pockets, drawn[i].X, out[i])
                              : ruling_at(skin, drawn[i].X, out[i], 0.5 * length + kOffSkin_mm));
     // A pocket ends short of a free margin: over an open end the blade goes on from where there is a bed.
     const auto short_of = [&](size_t a, size_t b) { return (drawn[a].X - drawn[b].X).norm() <= kShortOfMargin_mm; };

@@ -44,7 +44,8 @@ std::string lies(const bone::Bones& bones, int32_t id) {
   return words;
 }
 
-simplex::FaceModelSettings with(std::vector<simplex::FaceBundle> muscles, std::vector<simplex::FaceSlide> slides) {
+simplex::FaceModelSettings face_settings(std::vector<simplex::FaceBundle> muscles,
+                                         std::vector<simplex::FaceSlide> slides) {
   simplex::FaceModelSettings s;
   s.elasticity.bundles = std::move(muscles), s.elasticity.slides = std::move(slides);
   if (!s.elasticity.slides.empty()) s.tolerance *= 0.1;  // soft tissue goes farther for what is left of the forces
@@ -56,7 +57,7 @@ simplex::FaceModelSettings with(std::vector<simplex::FaceBundle> muscles, std::v
 Head::Head(HeadParts parts, Workers& workers)
     : workers_(workers),
       bones_(std::move(parts.bones), workers),
-      face_(std::move(parts.face), workers, with(std::move(parts.muscles), std::move(parts.slides))),
+      face_(std::move(parts.face), workers, face_settings(std::move(parts.muscles), std::move(parts.slides))),
       face_iterations_(parts.face_iterations),
       state_{std::move(parts.landmarks), {}},
       colour_(std::move(parts.colour)),

@@ -5,33 +5,13 @@
 
 #include "sim/base/error.h"
 #include "sim/skull/face/face_elasticity.h"
+#include "tests/sim/skull/face/layers_of_boxes.h"
 
 namespace limberg::simplex {
 namespace test_face_bundle {
 
-/// A bar of 2 x 2 x `layers` mm along z: cubes of 1 mm, six tetrahedra each, layer by layer from below.
-Tissue bar(int layers) {
-  Tissue t;
-  t.layers = layers;
-  const auto node = [](int i, int j, int k) { return int32_t(9 * k + 3 * j + i); };
-  for (int k = 0; k <= layers; ++k)
-    for (int j = 0; j < 3; ++j)
-      for (int i = 0; i < 3; ++i) t.node_mm.push_back({double(i), double(j), double(k)});
-  for (int k = 0; k < layers; ++k)
-    for (int j = 0; j < 2; ++j)
-      for (int i = 0; i < 2; ++i)
-        for (const std::array<int, 3>& order :  // the six ways from one corner of a cube to the opposite one
-             {std::array{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}) {
-          std::array<int, 3> at{i, j, k};
-          std::array<int32_t, 4> tet{node(i, j, k), 0, 0, 0};
-          for (size_t c = 0; c < 3; ++c) ++at[size_t(order[c])], tet[c + 1] = node(at[0], at[1], at[2]);
-          const Vec3 o = t.node_mm[size_t(tet[0])];
-          const auto edge = [&](size_t c) { return Vec3(t.node_mm[size_t(tet[c])] - o); };
-          if (edge(1).cross(edge(2)).dot(edge(3)) < 0) std::swap(tet[2], tet[3]);
-          t.tet.push_back(tet);
-        }
-  return t;
-}
+/// A bar of 2 x 2 x `layers` mm along z, of cubes of 1 mm.
+Tissue bar(int layers) { return test::layers_of_boxes(2, 2, layers, 1, 1, Vec2(0, 0)); }
 
 constexpr int kLayers = 41;
 

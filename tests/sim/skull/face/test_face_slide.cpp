@@ -5,29 +5,14 @@
 
 #include "sim/base/error.h"
 #include "sim/skull/face/face_elasticity.h"
+#include "tests/sim/skull/face/layers_of_boxes.h"
 
 namespace limberg::simplex {
 namespace test_face_slide {
 
-/// Two layers, 2 mm each, of nx x ny boxes of `edge_mm`, about x = y = 0; six tetrahedra a box.
+/// Boxes of `edge_mm` by 2 mm, about x = y = 0.
 Tissue slab(int nx, int ny, double edge_mm, int layers = 2) {
-  Tissue t;
-  t.layers = layers;
-  const auto node = [&](int i, int j, int k) { return int32_t(((ny + 1) * k + j) * (nx + 1) + i); };
-  for (int k = 0; k <= layers; ++k)
-    for (int j = 0; j <= ny; ++j)
-      for (int i = 0; i <= nx; ++i) t.node_mm.push_back({edge_mm * (i - 0.5 * nx), edge_mm * (j - 0.5 * ny), 2. * k});
-  for (int k = 0; k < layers; ++k)
-    for (int j = 0; j < ny; ++j)
-      for (int i = 0; i < nx; ++i)
-        for (const std::array<int, 3>& order :  // the six ways from one corner of a box to the opposite one
-             {std::array{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}) {
-          std::array<int, 3> at{i, j, k};
-          std::array<int32_t, 4> tet{node(i, j, k), 0, 0, 0};
-          for (size_t c = 0; c < 3; ++c) ++at[size_t(order[c])], tet[c + 1] = node(at[0], at[1], at[2]);
-          t.tet.push_back(tet);
-        }
-  return t;
+  return test::layers_of_boxes(nx, ny, layers, edge_mm, 2, -0.5 * edge_mm * Vec2(nx, ny));
 }
 
 struct Made {
