@@ -142,7 +142,7 @@ TEST_F(ClassCli, EachFaultIsOnThePageAndNobodysName) {
 
   const std::string page = slurp(dir_ / "out/class.html"), result = slurp(dir_ / "out/result.json");
   EXPECT_EQ(limberg::test::xml_fault(page), "");
-  for (const std::string& name : {"anna", "bert", "carla", "dora", "emil", "broken"})
+  for (const std::string name : {"anna", "bert", "carla", "dora", "emil", "broken"})
     for (const std::string& text : {page, result, slurp(dir_ / "out/class.csv")})
       EXPECT_EQ(text.find(name), std::string::npos) << name;
   const json r = json::parse(result);

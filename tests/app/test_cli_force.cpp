@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "tests/app/cli.h"
+#include "tests/own_port.h"
 
 namespace test_cli_force {
 
@@ -39,8 +40,8 @@ struct Told {
 };
 
 TEST_F(ForceClients, InCppAndInPythonFeelTheSkin) {
-  const int port = 23'000 + getpid() % 20'000;
-  const std::string url = "udpm://239.255.76.67:" + std::to_string(port) + "?ttl=0";
+  const int port = limberg::free_udp_port();
+  const std::string url = limberg::udpm_here(port);
   const std::string clients[] = {
       limberg::binary_dir() + "/limberg_force_client 4 '" + url + "'",
       "python3 " + kSource + "/devices/clients/force_client.py 4 " + std::to_string(port),

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <pthread.h>
 #include <sched.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -19,6 +18,7 @@
 #include "devices/message_codec.h"
 #include "sim/base/error.h"
 #include "tests/bench/devices/hogs.h"
+#include "tests/own_port.h"
 
 namespace limberg::bench {
 namespace {
@@ -113,8 +113,7 @@ void add_force_latency(SuiteOutcome& out, const Scene& scene, bool quick,
       if (quick && (!fifo || hogs == 2)) continue;
       const std::string method = std::string(fifo ? "SCHED_FIFO" : "SCHED_OTHER") + (hogs ? ", two hogs" : "");
       if (progress) progress("hand to force, " + method);
-      const std::string url =
-          "udpm://239.255.76.67:" + std::to_string(24'000 + (getpid() + hogs + fifo) % 20'000) + "?ttl=0";
+      const std::string url = udpm_here(free_udp_port());
       Heard h;
       try {
         const Hogs busy(hogs);

@@ -2,7 +2,6 @@
 // comes over a network may be late by any amount.
 #include <gtest/gtest.h>
 #include <time.h>
-#include <unistd.h>
 
 #include <fstream>
 #include <iterator>
@@ -18,13 +17,12 @@
 #include "sim/base/error.h"
 #include "tests/devices/flat_patient.h"
 #include "tests/devices/samples.h"
+#include "tests/own_port.h"
 
 namespace limberg {
 namespace test_force_over_lcm {
 
 using namespace test;
-
-std::string some_url() { return "udpm://239.255.76.67:" + std::to_string(22'000 + getpid() % 20'000) + "?ttl=0"; }
 
 /// A session's device thread and a laboratory's program, by turns.
 struct Bench {
@@ -64,7 +62,7 @@ struct Bench {
 
 std::unique_ptr<Bench> bench() {
   try {
-    auto b = std::make_unique<Bench>(some_url());
+    auto b = std::make_unique<Bench>(udpm_here(free_udp_port()));
     const StylusSample first = stylus(0, 77, Vec3(0, 0, 9));
     for (int i = 0; i < 200 && b->forces.empty(); ++i) b->tick(i == 0 ? &first : nullptr);
     return b->forces.empty() ? nullptr : std::move(b);

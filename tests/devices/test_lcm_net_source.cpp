@@ -2,7 +2,6 @@
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <time.h>
-#include <unistd.h>
 
 #include <lcm/lcm-cpp.hpp>
 
@@ -12,6 +11,7 @@
 #include "devices/message_codec.h"
 #include "sim/base/error.h"
 #include "tests/devices/samples.h"
+#include "tests/own_port.h"
 
 namespace limberg {
 namespace test_lcm_net_source {
@@ -75,7 +75,7 @@ TEST(LcmNetSource, OnlyThisMachinesAddressesAreItsOwn) {
 TEST(LcmPublisher, WhatIsSentHereIsHeardHere) {
   EXPECT_THROW(LcmPublisher("udpm://239.255.76.67:7667?ttl=1", false), InputError);
   LcmNetSettings settings;
-  settings.url = "udpm://239.255.76.67:" + std::to_string(40'001 + getpid() % 20'000) + "?ttl=0";
+  settings.url = udpm_here(free_udp_port());
   std::unique_ptr<LcmPublisher> publisher;
   std::unique_ptr<LcmNetSource> source;
   const int64_t start = monotonic_ns();
@@ -144,7 +144,7 @@ TEST(LcmNetSource, StartsAndStopsWithoutTraffic) {
 // fifth of it in the session, begins anew.
 TEST(LcmNetSource, StampsBySessionTimeAndMeasuresSilenceByTheWall) {
   LcmNetSettings settings;
-  settings.url = "udpm://239.255.76.67:" + std::to_string(20'001 + getpid() % 20'000) + "?ttl=0";
+  settings.url = udpm_here(free_udp_port());
   lcm::LCM sender(settings.url);
   if (!sender.good()) GTEST_SKIP() << "no multicast on this machine";
   const int64_t start = monotonic_ns();
@@ -178,7 +178,7 @@ TEST(LcmNetSource, StampsBySessionTimeAndMeasuresSilenceByTheWall) {
 
 TEST(LcmNetSource, GoodPacketsArriveAndBadOnesAreCounted) {
   LcmNetSettings settings;
-  settings.url = "udpm://239.255.76.67:" + std::to_string(20'000 + getpid() % 20'000) + "?ttl=0";
+  settings.url = udpm_here(free_udp_port());
   lcm::LCM sender(settings.url);
   if (!sender.good()) GTEST_SKIP() << "no multicast on this machine";
   const int64_t start = monotonic_ns();

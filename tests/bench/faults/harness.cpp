@@ -25,6 +25,7 @@
 #include "devices/monotonic.h"
 #include "devices/recording.h"
 #include "sim/base/whole_file.h"
+#include "tests/own_port.h"
 
 namespace limberg::bench::faults {
 
@@ -69,11 +70,10 @@ struct Reference {
 /// The other end of a device: a FASTRAK on a pseudo-terminal behind a link that stays, or a stylus over LCM.
 class ServedDevice {
  public:
-  ServedDevice(Call::Device device, const Case& c, const std::string& folder, int port)
-      : case_(c), link_(folder + "/port"), port_(std::to_string(port)), random_(uint64_t(c.number)) {
+  ServedDevice(Call::Device device, const Case& c, const std::string& folder)
+      : case_(c), link_(folder + "/port"), port_(std::to_string(free_udp_port())), random_(uint64_t(c.number)) {
     if (device == Call::fastrak) line_ = std::make_unique<fastrak::EmulatedPort>(fastrak::hand_at_work(1)), lay();
-    if (device == Call::lcm)
-      stylus_ = std::make_unique<LcmPublisher>("udpm://239.255.76.67:" + port_ + "?ttl=0", false);
+    if (device == Call::lcm) stylus_ = std::make_unique<LcmPublisher>(udpm_here(std::stoi(port_)), false);
   }
   const std::string& port() const { return port_; }
   int64_t faults() const { return faults_; }
@@ -207,7 +207,7 @@ class Harness {
     fs::create_directories(p->folder + "/rec");
     p->journal = std::make_unique<MappedJournal>(p->folder + "/journal");
     p->began_ns = monotonic_ns();
-    p->device = std::make_unique<ServedDevice>(call(*p).device, c, p->folder, 17'000 + int(begun_ % 4000));
+    p->device = std::make_unique<ServedDevice>(call(*p).device, c, p->folder);
     p->pid = start(call(*p).words, p->folder, &c, c.early ? call(*p).starts : call(*p).begins, p->device->port());
     running_.push_back(std::move(p));
   }
@@ -360,7 +360,7 @@ class Harness {
         const MappedJournal journal(folder + "/journal");
         const Case none;
         int status = 0;
-        ServedDevice device(c.device, none, folder, 16'000 + int(i));
+        ServedDevice device(c.device, none, folder);
         const int64_t began_ns = monotonic_ns();
         const pid_t pid = start(c.words, folder, &none, early ? c.starts : c.begins, device.port());
         while (::waitpid(pid, &status, WNOHANG) == 0)
