@@ -205,9 +205,12 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
       stroke_.clear();
       if (in_pieces_ && drawn.chart.empty()) return {};  // it was stopped
       if (in_pieces_) return finish_drawing(e, drawn.chart);
-      if (tool == Tool::marker || tool == Tool::swab)
-        return Mark{drawn.chart.size() > 1 ? simplify_path(drawn.chart, path_) : drawn.chart, tool == Tool::swab};
       if (drawn.chart.empty()) return ++dropped_, std::nullopt;
+      if (tool == Tool::marker || tool == Tool::swab) {
+        const bool off = !on_chart(drawn), dot = drawn.chart.size() < 2;
+        Way way = dot ? Way{std::move(drawn.chart), std::move(drawn.X_mm)} : meant(drawn, false, off);
+        return placed(Mark{std::move(way.chart), tool == Tool::swab}, way.X_mm, !off);
+      }
       if (tool == Tool::scalpel_through) return cut_through(drawn, e);
       const bool outline = tool == Tool::undermine || tool == Tool::excise, off = !on_chart(drawn);
       if (tool == Tool::excise && ground_ && path_length(drawn.X_mm) < path_.min_edge_mm)

@@ -33,8 +33,7 @@ class CommandBuilder {
   /// smoothed over what is known by then, and stroke_end the last one; a stroke that ends before its first piece is an
   /// Incise.
   /// What the chart does not see, or sees something else over, becomes an act in space (InSpace), as a stitch in a cut
-  /// face does; such an incision opens when it is drawn, also where it is progressive, and of a line of the pen the
-  /// chart's places are meant all the same.
+  /// face does; such an incision opens when it is drawn, also where it is progressive.
   /// Between hook_set or hook_take and hook_leave the hook follows ToolState::tip_mm.
   std::optional<Command> feed(const ToolEvent& event);
   /// The patient has refused a piece: nothing more comes of this stroke.

@@ -445,6 +445,9 @@ void SurgeonPlan::plan(const InSpace& c) {
         } else if constexpr (std::is_same_v<A, CutSuture>) {
           choose(Tool::scissors);
           tap(at_rest(places[0]), set_.hover_mm);
+        } else if constexpr (std::is_same_v<A, Mark>) {
+          choose(a.wipes ? Tool::swab : Tool::marker);
+          stroke_in_space(places, {}, false);
         } else {
           no_gesture("a row between two stitches");
         }

@@ -30,7 +30,7 @@ class Operation {
     if (!o.done) return o;
     if (const auto* h = std::get_if<SetHook>(&c)) note_handle(h->id);
     if (const auto* r = std::get_if<ReleaseHook>(&c)) handle_.erase(r->id);
-    if (const auto* m = std::get_if<Mark>(&c)) pen_.push_back(*m);
+    if (is_of_pen(c)) pen_.push_back(c);
     if (const auto* s = std::get_if<Stage>(&c)) {
       StageRow row;
       row.number = int32_t(out.stages.size()) + 1;
@@ -138,7 +138,7 @@ class Operation {
   const OperationSettings& set_;
   Snapshot now_;
   std::map<int, Vec3> handle_;
-  std::vector<Mark> pen_;
+  std::vector<Command> pen_;
   int64_t steps_ = 0;
 };
 

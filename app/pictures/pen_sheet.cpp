@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "render/render_scene.h"
-#include "sim/geometry/polyline.h"
 
 namespace limberg {
 
@@ -15,26 +14,15 @@ namespace {
 
 constexpr float kTrail_mm = 0.42f, kOverPlan_mm = 0.4f;  // above the line of a plan that is followed
 constexpr float kLine_mm = 0.32f, kDot_mm = 0.7f, kOverSkin_mm = 0.1f;
-constexpr double kStep_mm = 0.6, kSlack_mm = 0.3, kShort_mm = 2;  // a shorter line is a dot, and no length
+constexpr double kStep_mm = 0.6, kShort_mm = 2;  // a shorter line is a dot, and no length
 const PropLook kInk{{0.11f, 0.02f, 0.28f}, 0, 0}, kTrail{{0.90f, 0.95f, 1.0f}, 0, 0};
 
-bool near(const std::vector<ChartPoint>& line, const std::vector<ChartPoint>& swab, double reach_mm) {
-  const auto any = [&](const std::vector<ChartPoint>& points, const std::vector<ChartPoint>& path) {
-    for (const ChartPoint& p : points)
-      for (size_t i = 0; i < path.size(); ++i)
-        if (distance_to_segment(p, path[i > 0 ? i - 1 : 0], path[i]) <= reach_mm) return true;
-    return false;
-  };
-  return any(line, swab) || any(swab, line);
-}
-
-std::vector<ChartPoint> finely(const std::vector<ChartPoint>& path) {
-  std::vector<ChartPoint> fine{path.front()};
-  for (size_t i = 1; i < path.size(); ++i) {
-    const int n = std::max(1, int(std::ceil((path[i] - path[i - 1]).norm() / kStep_mm)));
-    for (int k = 1; k <= n; ++k) fine.push_back(path[i - 1] + double(k) / n * (path[i] - path[i - 1]));
-  }
-  return fine;
+/// Whether a line and a swab's way come within `reach_mm` of one another, at rest.
+bool near(const std::vector<SkinTouch>& line, const std::vector<SkinTouch>& swab, double reach_mm) {
+  for (const SkinTouch& p : line)
+    for (const SkinTouch& q : swab)
+      if (p.triangle >= 0 && q.triangle >= 0 && (p.X_mm - q.X_mm).norm() <= reach_mm) return true;
+  return false;
 }
 
 void tube(PropMesh& mesh, const std::vector<Vec3f>& way, const PropLook& look = kInk, float radius_mm = kLine_mm) {
@@ -54,13 +42,25 @@ void PenSheet::hear(const Command& command) {
   if (std::holds_alternative<Shown>(command) || std::holds_alternative<Undo>(command) ||
       std::holds_alternative<Redo>(command))
     trail_.clear();  // a row that was begun is given up
-  const auto* m = std::get_if<Mark>(&command);
-  if (!m || m->path.empty()) return;
+  auto line = skin_line(command);
+  if (!line) return;
   wet_.clear();
-  if (m->wipes)
-    std::erase_if(lines_, [&](const auto& line) { return near(finely(line), m->path, Mark::kWiped_mm); });
-  else
-    lines_.push_back(m->path);
+  heard_.push_back(*std::move(line));
+}
+
+void PenSheet::lay(const Snapshot& s) {
+  if (!chart_.built_for(s)) {
+    chart_.build(*s.topology);
+    for (Line& line : lines_) line.at = laid_on_skin(s, chart_, line.drawn);
+  }
+  for (SkinLine& drawn : heard_) {
+    std::vector<SkinTouch> at = laid_on_skin(s, chart_, drawn);
+    if (drawn.wipes)
+      std::erase_if(lines_, [&](const Line& line) { return near(line.at, at, Mark::kWiped_mm); });
+    else
+      lines_.push_back({std::move(drawn), std::move(at)});
+  }
+  heard_.clear();
 }
 
 void PenSheet::trace(const ToolState& hand, const Vec3f& tip) {
@@ -100,25 +100,25 @@ void PenSheet::draw(const Snapshot& s, const Words& w) {
     if (way.size() > 1) tube(props_, way, kTrail, kTrail_mm);
   if (!has_surface(s) || !s.topology->body) return;
   if (wet_.size() > 1) tube(props_, wet_);
-  if (lines_.empty()) return;
-  if (!chart_.built_for(s)) chart_.build(*s.topology);
-  for (const std::vector<ChartPoint>& line : lines_) {
+  if (lines_.empty() && heard_.empty()) return;
+  lay(s);
+  for (const Line& line : lines_) {
     std::vector<Vec3f> way;
     Vec3f end = Vec3f::Zero();
-    double now_mm = 0;
+    Vec3 before = Vec3::Zero();
+    double now_mm = 0, rest_mm = 0;
     bool seen = false;
-    for (const ChartPoint& p : finely(line)) {
-      const SkinTouch at = chart_.at(s, p, kSlack_mm);
-      if (at.triangle < 0) {
+    for (const SkinTouch& laid : line.at) {
+      if (laid.triangle < 0) {
         tube(props_, way), way.clear();
         continue;
       }
+      const SkinTouch at = touch_at(s, laid.triangle, laid.bary, 0);
       const Vec3f x = (at.x_mm + double(kOverSkin_mm) * at.normal).cast<float>();
-      if (!way.empty()) now_mm += double((x - way.back()).norm());
-      way.push_back(x), end = x, seen = true;
+      if (!way.empty()) now_mm += double((x - way.back()).norm()), rest_mm += (at.X_mm - before).norm();
+      way.push_back(x), end = x, before = at.X_mm, seen = true;
     }
     tube(props_, way);
-    const double rest_mm = path_length(line);
     if (seen && rest_mm < kShort_mm)
       add_ellipsoid(props_, end, kDot_mm * Vec3f::UnitX(), kDot_mm * Vec3f::UnitY(), kDot_mm * Vec3f::UnitZ(), kInk, 5);
     else if (seen)

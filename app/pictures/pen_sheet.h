@@ -4,17 +4,17 @@
 #include <string>
 #include <vector>
 
+#include "app/pictures/skin_line.h"
 #include "app/words/words.h"
 #include "devices/skin_chart.h"
 #include "devices/tool_event.h"
 #include "render/props.h"
-#include "sim/commands/command.h"
 
 namespace limberg {
 
 class PenSheet {
  public:
-  /// An act of the pen or of the swab; every other is passed over.
+  /// An act of the pen or of the swab, seen when it is next drawn; every other is passed over.
   void hear(const Command& command);
   /// The pen is here: what it draws is seen at once, and is a line when the act is heard of. Of every other tool that
   /// is drawn along a line the way is seen as long as it is pressed; of a row of stitches that along the first edge
@@ -23,7 +23,7 @@ class PenSheet {
 
   struct Length {
     Vec3f at_mm = Vec3f::Zero();  // the line's end
-    std::string text;             // along the line, now and at rest
+    std::string text;             // along the skin under the line, now and at rest
   };
   /// What is to be drawn over this patient. Over a hole a line is broken.
   void draw(const Snapshot& patient, const Words& words);
@@ -34,8 +34,15 @@ class PenSheet {
   size_t trail() const;
 
  private:
+  struct Line {
+    SkinLine drawn;
+    std::vector<SkinTouch> at;  // on the skin of the present topology; of each only where it is at rest holds
+  };
   void trace(const ToolState& hand, const Vec3f& tip);
-  std::vector<std::vector<ChartPoint>> lines_;
+  /// All lines on this patient's skin; then what was heard of since.
+  void lay(const Snapshot& patient);
+  std::vector<Line> lines_;
+  std::vector<SkinLine> heard_;            // since the last drawing
   std::vector<Vec3f> wet_;                 // of the line that is being drawn
   std::vector<std::vector<Vec3f>> trail_;  // of another tool's present stroke, and of a row's first
   int32_t traced_ = 0;                     // which tool

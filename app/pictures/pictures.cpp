@@ -204,7 +204,7 @@ bool draw_report_pictures(const std::string& dir, const std::vector<StageRow>& s
     for (const StageRow& s : stages) {
       if (!drawn.next() || !s.shown.topology) continue;
       PenSheet pen;
-      for (const Mark& m : s.pen) pen.hear(m);
+      for (const Command& c : s.pen) pen.hear(c);
       pen.draw(s.shown, w);
       PictureOptions stage = titled(s.name, w);
       stage.props = &pen.props();

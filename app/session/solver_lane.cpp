@@ -10,6 +10,7 @@
 #include "app/words/words.h"
 #include "devices/rigid_grip.h"
 #include "sim/base/hash.h"
+#include "sim/commands/kinds.h"
 #include "sim/commands/script.h"
 #include "sim/commands/words.h"
 #include "sim/geometry/triangle.h"
@@ -239,7 +240,7 @@ bool SolverLane::apply(const Command& c, int64_t tick) {
   const Outcome o = patient_.apply(c);
   if (!o.done) return refuse(c, o.reason, tick), false;
   ++commands_;
-  if (const auto* m = std::get_if<Mark>(&c)) pen_.push_back(*m);
+  if (is_of_pen(c)) pen_.push_back(c);
   if (const auto* s = std::get_if<Stage>(&c)) {
     StageRow row;
     row.number = int32_t(stages_.size()) + 1;

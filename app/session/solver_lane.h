@@ -112,7 +112,7 @@ class SolverLane {
   uint64_t steps_ = 0, commands_ = 0, events_ = 0;
   std::vector<Refusal> refused_;
   std::vector<StageRow> stages_;
-  std::vector<Mark> pen_;
+  std::vector<Command> pen_;
   size_t shown_stages_ = 0;  // those that have their snapshot
   SolverSeries series_;
   HandMotion motion_;

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/commands/skin_acts.h"
+#include "sim/commands/command.h"
 #include "sim/patient/snapshot.h"
 
 namespace limberg {
@@ -13,8 +13,8 @@ struct StageRow {
   int32_t number = 0;  // from 1
   std::string name;
   double t_s = 0;
-  Snapshot shown;         // for its picture; made and freed by the solver lane's owner
-  std::vector<Mark> pen;  // what the pen and the swab had done by then
+  Snapshot shown;            // for its picture; made and freed by the solver lane's owner
+  std::vector<Command> pen;  // what the pen and the swab had done by then
 };
 
 struct SolverSeries {

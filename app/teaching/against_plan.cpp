@@ -215,7 +215,7 @@ std::vector<std::vector<Vec3>> lines_of(const InSpace& c) {
     return {{places.begin(), middle}, {middle, places.end()}};
   }
   if (std::holds_alternative<Incise>(c.act) || std::holds_alternative<Undermine>(c.act) ||
-      std::holds_alternative<Excise>(c.act))
+      std::holds_alternative<Excise>(c.act) || std::holds_alternative<Mark>(c.act))
     return {places};
   std::vector<std::vector<Vec3>> each;
   for (const Vec3& X : places) each.push_back({X});

@@ -27,21 +27,27 @@ bool SkinView::shows(const Vec3& X, const Vec3& normal) const {
   return normal.dot(n) > 0 && std::abs((X - chart.origin_mm).dot(n) - height_mm(chart.to_chart(X))) <= kViewDepth_mm;
 }
 
+std::optional<Vec3> place_on_skin(const Skin& skin, const Vec3& X, std::string& reason) {
+  if (!X.allFinite()) return reason = "a place is not three numbers in mm; finite ones were expected", std::nullopt;
+  const SkinHit hit = skin.nearest(X);
+  const double off = (hit.X_mm - X).norm();
+  if (hit.triangle >= 0 && off <= kOffSkin_mm) return hit.X_mm;
+  return reason = fmt::format("place {} lies {:.1f} mm off the skin; one within {:g} mm was expected", at_text(X), off,
+                              kOffSkin_mm),
+         std::nullopt;
+}
+
 std::optional<SkinView> view_of(const Skin& skin, std::span<const Vec3> places, std::string& reason) {
   SkinView view;
   std::vector<Vec3> normals;
   Vec3 sum = Vec3::Zero(), middle = Vec3::Zero();
   for (const Vec3& X : places) {
-    if (!X.allFinite()) return reason = "a place is not three numbers in mm; finite ones were expected", std::nullopt;
-    const SkinHit hit = skin.nearest(X);
-    if (const double off = (hit.X_mm - X).norm(); hit.triangle < 0 || !(off <= kOffSkin_mm))
-      return reason = fmt::format("place {} lies {:.1f} mm off the skin; one within {:g} mm was expected", at_text(X),
-                                  off, kOffSkin_mm),
-             std::nullopt;
+    const auto on = place_on_skin(skin, X, reason);
+    if (!on) return std::nullopt;
     // smoothed over the facets around it, as a blade's is
-    const Vec3 normal = skin.frame(hit.X_mm).normal;
-    view.place.push_back(hit.X_mm), normals.push_back(normal);
-    sum += normal, middle += hit.X_mm;
+    const Vec3 normal = skin.frame(*on).normal;
+    view.place.push_back(*on), normals.push_back(normal);
+    sum += normal, middle += *on;
   }
   if (places.empty()) return reason = "there is no place; at least one was expected", std::nullopt;
   const Vec3 n = sum.normalized();

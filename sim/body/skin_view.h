@@ -38,6 +38,9 @@ inline constexpr double kObliqueView = 0.2;
 /// "(1.00, 2.00, 3.00) mm"
 std::string at_text(const Vec3& X_mm);
 
+/// Where on the skin a place in space is meant; nothing, with a reason, when it lies off it.
+std::optional<Vec3> place_on_skin(const Skin& skin, const Vec3& X_mm, std::string& reason);
+
 /// The view of an act at these places, at least one; nothing, with a reason, when one lies off the skin, or the skin
 /// turns too far between them.
 std::optional<SkinView> view_of(const Skin& skin, std::span<const Vec3> places, std::string& reason);

@@ -10,7 +10,7 @@
 namespace limberg {
 
 using SkinAct = std::variant<Incise, Undermine, Excise, ExcisePiece, SetHook, Suture, SutureRow, SutureCorner,
-                             SutureBetween, CutSuture, SutureBite>;
+                             SutureBetween, CutSuture, SutureBite, Mark>;
 
 /// Of every place of the act, in the order of its fields, x and y stand in the act and z here. Of a place that is given
 /// by the texture of the skin u and v stand in the act, and z is NaN (body/texture_places.h says where it lies).

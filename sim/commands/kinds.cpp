@@ -21,6 +21,10 @@ bool is_of_hooks(const Command& command) {
          std::holds_alternative<ReleaseHook>(command);
 }
 
+bool is_of_pen(const Command& command) {
+  return visit_act(command, []<class C>(const C&) { return std::is_same_v<C, Mark>; });
+}
+
 bool looks_back(const Command& command) {
   return visit_act(command, []<class C>(const C&) {
     return requires { requires Act<C>::looks_back; };

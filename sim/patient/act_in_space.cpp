@@ -2,6 +2,7 @@
 // and stitches, which need no plane, find each place by itself, and rows run along their two paths.
 #include <algorithm>
 
+#include "sim/body/skin_view.h"
 #include "sim/commands/texture_script.h"
 #include "sim/geometry/polyline.h"
 #include "sim/patient/soft_tissue.h"
@@ -47,6 +48,17 @@ struct Looking {
 };
 
 }  // namespace
+
+Outcome SoftTissue::draw_on(const Command& command) const {
+  const auto* c = std::get_if<InSpace>(&command);
+  if (!c) return {true, {}};
+  std::string reason;
+  const auto laid = on_texture(*c, tissue_.body(), reason);
+  if (!laid) return {false, reason};
+  for (const Vec3& X : places_of(*laid))
+    if (!place_on_skin(tissue_.skin(), X, reason)) return {false, reason};
+  return {true, {}};
+}
 
 Acted<TissueChange> SoftTissue::act_in_space(const InSpace& c) {
   if (has_texture_places(c)) {

@@ -49,6 +49,9 @@ class SoftTissue {
   SoftTissue& operator=(const SoftTissue&) = delete;
 
   Acted<TissueChange> act(const Command& command);
+  /// Whether the pen or the swab can pass there; nothing of the tissue changes. Refused: a place in space is off the
+  /// skin.
+  Outcome draw_on(const Command& command) const;
   void take_back(TissueChange& change);
   Outcome make_again(TissueChange& change);
   /// Another part of the patient has acted: a stroke that has cut cannot go on.

@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "sim/base/hash.h"
+#include "sim/commands/kinds.h"
 #include "sim/patient/carried_skin.h"
 #include "sim/patient/history.h"
 #include "sim/patient/joined_surface.h"
@@ -55,7 +56,7 @@ Outcome World::act(const Command& command) {
   if (std::holds_alternative<Redo>(command)) return redo();
   if (std::holds_alternative<Stage>(command)) return ++stage_, Outcome{true, {}};
   if (std::holds_alternative<Wait>(command) || std::holds_alternative<Shown>(command)) return {true, {}};
-  if (std::holds_alternative<Mark>(command) && skin_) return {true, {}};
+  if (is_of_pen(command) && skin_) return skin_->draw_on(command);
   past_->make_room();
   const auto take = [&](auto&& acted) -> Outcome {
     if (acted.ends_redo) past_->end_redo();

@@ -4,11 +4,13 @@
 #include <algorithm>
 
 #include "app/assembly/world_patient.h"
+#include "app/pictures/pen_sheet.h"
 #include "devices/command_builder.h"
 #include "devices/emulator.h"
 #include "devices/front_end.h"
 #include "sim/base/workers.h"
 #include "sim/commands/script.h"
+#include "sim/commands/words.h"
 #include "sim/patient/soft_tissue.h"
 #include "sim/patient/world.h"
 #include "tests/sim/patient/lip.h"
@@ -116,6 +118,39 @@ TEST(HandInSpace, AWedgeIsTakenOutOfALipAndSewnOnBothSides) {
     // As a script they are the same acts.
     for (const Command& c : hand.done) EXPECT_EQ(to_json_line(parse_command(to_json_line(c), "t", 1)), to_json_line(c));
   }
+}
+
+TEST(HandInSpace, ThePenDrawsBehindALipAndTheSwabWipesThereOnly) {
+  const std::vector<Command> script{line(R"({"action":"mark","path":[[-6,14],[6,14]]})"),
+                                    line(R"({"action":"mark","path":[[-6,14,0],[0,15,0],[6,14,0]]})"),
+                                    line(R"({"action":"mark","path":[[0,14,0]],"wipes":true})")};
+  Hand hand(script, true);
+  for (const std::string& p : hand.problems) ADD_FAILURE() << p;
+  ASSERT_EQ(hand.done.size(), script.size());
+  EXPECT_TRUE(std::holds_alternative<Mark>(hand.done[0])) << "the chart sees the front";
+  for (const size_t i : {size_t(1), size_t(2)}) {
+    const auto* behind = std::get_if<InSpace>(&hand.done[i]);
+    ASSERT_NE(behind, nullptr) << to_json_line(hand.done[i]);
+    EXPECT_EQ(std::get<Mark>(behind->act).wipes, i == 2);
+    for (const Vec3& X : places_of(*behind)) EXPECT_LT(X.z(), 1) << to_json_line(hand.done[i]);
+    EXPECT_EQ(to_json_line(parse_command(to_json_line(hand.done[i]), "t", 1)), to_json_line(hand.done[i]));
+  }
+  EXPECT_EQ(in_words(hand.done[1]).substr(0, 14), "pen: a line of") << in_words(hand.done[1]);
+
+  Snapshot s;
+  hand.world.fill(s);
+  PenSheet pen;
+  pen.hear(hand.done[0]), pen.hear(hand.done[1]);
+  pen.draw(s, {});
+  ASSERT_EQ(pen.lengths().size(), 2u);
+  EXPECT_GT(pen.lengths()[0].at_mm.z(), 7);
+  EXPECT_LT(pen.lengths()[1].at_mm.z(), 1);
+  // By hand an end is .5 mm off at most, and the lip bulges.
+  EXPECT_NEAR(std::stod(pen.lengths()[1].text), 12.2, 1.2);
+  pen.hear(hand.done[2]);
+  pen.draw(s, {});
+  ASSERT_EQ(pen.lengths().size(), 1u);
+  EXPECT_GT(pen.lengths()[0].at_mm.z(), 7) << "the front is 8 mm away from the swab";
 }
 
 TEST(HandInSpace, OnTheChartAloneAStitchBehindGoesIntoTheFront) {

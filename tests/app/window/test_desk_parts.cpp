@@ -84,19 +84,45 @@ TEST(PenSheet, ALineIsMeasuredAsTheSkinLiesAndAtRest) {
   EXPECT_EQ(pen.lengths()[0].text, "20.0 mm");
 }
 
+TEST(PenSheet, OnSkinThatSlopesALineIsAsLongAsTheSkinUnderIt) {
+  const auto topology = test::flat_topology(60, 1);
+  for (Vec3& X : topology->view.X_mm) X.z() = X.x();
+  PenSheet pen;
+  pen.hear(Mark{{{-10, 3}, {10, 3}}, false});  // 20 mm on the chart
+  pen.draw(test::snapshot_of(topology), {});
+  ASSERT_EQ(pen.lengths().size(), 1u);
+  EXPECT_EQ(pen.lengths()[0].text, "28.3 mm");
+}
+
 TEST(PenSheet, ASwabWipesOffWhatItPasses) {
+  const Snapshot flat = test::snapshot_of(test::flat_topology(60, 1));
+  PenSheet pen;
+  const auto left = [&](const std::vector<Command>& acts) {
+    for (const Command& c : acts) pen.hear(c);
+    pen.draw(flat, {});
+    return pen.lines();
+  };
+  EXPECT_EQ(
+      left({Mark{{{-10, 0}, {10, 0}}, false}, Mark{{{-10, 12}, {10, 12}}, false}, Mark{{{0, 30}}, false}, Incise{}}),
+      3u);
+  EXPECT_EQ(left({Mark{{{0, -20}, {0, -5}}, true}}), 3u) << "too far from each";
+  EXPECT_EQ(left({Mark{{{4, -3}, {4, 3}}, true}}), 2u);
+  EXPECT_EQ(left({Mark{{{1, 29}}, true}}), 1u);
+  EXPECT_EQ(left({Mark{{{-10, 20}, {10, 20}}, false}, Mark{{{0, 20}}, true}}), 1u) << "both before it is drawn";
+}
+
+TEST(PenSheet, ALineStaysOverAHoleAndComesBackWithTheSkin) {
+  const auto whole = test::flat_topology(60, 1);
+  const auto hole = test::flat_topology(60, 2, [](double x, double y) { return std::abs(x) < 5 && std::abs(y) < 5; });
   PenSheet pen;
   pen.hear(Mark{{{-10, 0}, {10, 0}}, false});
-  pen.hear(Mark{{{-10, 12}, {10, 12}}, false});
-  pen.hear(Mark{{{0, 30}}, false});
-  pen.hear(Incise{});
-  ASSERT_EQ(pen.lines(), 3u);
-  pen.hear(Mark{{{0, -20}, {0, -5}}, true});  // too far from each
-  EXPECT_EQ(pen.lines(), 3u);
-  pen.hear(Mark{{{4, -3}, {4, 3}}, true});
-  EXPECT_EQ(pen.lines(), 2u);
-  pen.hear(Mark{{{1, 29}}, true});
-  EXPECT_EQ(pen.lines(), 1u);
+  pen.draw(test::snapshot_of(whole), {});
+  EXPECT_EQ(pen.lengths()[0].text, "20.0 mm");
+  pen.draw(test::snapshot_of(hole), {});
+  const double left_mm = std::stod(pen.lengths().at(0).text);
+  EXPECT_NEAR(left_mm, 12, 1.2) << "of cells of 2 mm four are gone; at each border a step of .6 mm";
+  pen.draw(test::snapshot_of(test::flat_topology(60, 3)), {});
+  EXPECT_EQ(pen.lengths()[0].text, "20.0 mm");
 }
 
 TEST(PenSheet, TheWayOfAStrokeIsSeenWhileItIsDrawn) {

@@ -75,6 +75,20 @@ double gape_mm(const World& world) {
   return sum[1] / n[1] - sum[0] / n[0];
 }
 
+TEST(InSpace, ThePenLeavesThePatientAndIsRefusedOffTheSkin) {
+  InlineWorkers workers;
+  World world(test::lip(), workers);
+  const uint64_t before = world.skin()->full_hash();
+  EXPECT_TRUE(world.apply(line(R"({"action":"mark","path":[[-6,14,0],[6,14,0]]})")).done);
+  const Outcome off = world.apply(line(R"({"action":"mark","path":[[-6,14,0],[6,14,-9]],"wipes":true})"));
+  EXPECT_FALSE(off.done);
+  EXPECT_NE(off.reason.find("(6.00, 14.00, -9.00) mm lies 9.0 mm off the skin"), std::string::npos) << off.reason;
+  const Outcome texture = world.apply(line(R"({"action":"mark","path":[{"uv":[0.5,0.5]}]})"));
+  EXPECT_FALSE(texture.done) << "it has no texture";
+  EXPECT_EQ(world.skin()->full_hash(), before);
+  EXPECT_FALSE(world.apply(Undo{}).done) << "nothing was done";
+}
+
 TEST(InSpace, AWedgeIsCutThroughALipAndTakenOut) {
   InlineWorkers workers;
   World world(test::lip(), workers);
