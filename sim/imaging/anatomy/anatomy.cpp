@@ -1,6 +1,6 @@
 #include "sim/imaging/anatomy/anatomy.h"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +9,7 @@
 #include "sim/base/elementary.h"
 #include "sim/base/error.h"
 #include "sim/imaging/anatomy/ear_canal.h"
+#include "sim/imaging/anatomy/landmark_search.h"
 
 namespace limberg {
 
@@ -21,12 +22,7 @@ constexpr double kCut_mm[] = {0, 25, 50};
 constexpr double kPatch_mm = 30;      // of the synthetic head around a landmark
 constexpr double kPatchMove_mm = 15;  // that it may go
 constexpr double kMostScale = 0.2;    // heads of all ages from four years on are within it (head lengths, Farkas 1994)
-constexpr double kSlack_mm = 1;       // a rule looks so much farther than on the synthetic head
-constexpr double kPastPlace_mm = 25;  // and a ray goes on so far behind it
-constexpr double kProfile = 0.7;      // of a rule's reach: half of the parabola's width
-constexpr double kUnseen = 0.1;       // of a voxel: a profile that falls by less is level
-constexpr double kMostFlat_mm = 15;
-constexpr double kMirror_mm = 15;        // bone so near a mirror image is its place
+constexpr double kMirror_mm = 15;     // bone so near a mirror image is its place
 constexpr double kPorionsApart_mm = 15;  // forwards and upwards, of both together
 constexpr int kFrameRounds = 3;
 
@@ -93,20 +89,48 @@ struct Seeker {
           least = r.rms_mm, best = r.map;
       }
     if (!std::isfinite(least)) throw InputError("", 0, "no skull could be laid upon the bone: " + reason);
-    const auto sound = [](const IcpResult& r) { return r && std::abs(r.map.scale - 1) <= kMostScale; };
-    IcpSettings fine = quick;
-    fine.samples = 8000, fine.iterations = 200, fine.with_scale = true;
-    IcpResult r = icp(patient.skull, model, best, fine, workers);
-    if (!sound(r)) fine.with_scale = false, r = icp(patient.skull, model, best, fine, workers);
-    if (r) best = r.map, least = r.rms_mm;
     out.skull_rms_mm = least;
+    if (const IcpResult r = with_size(patient.skull, whole, best)) best = r.map, out.skull_rms_mm = r.rms_mm;
     mandible_map = skull_map = best.inverse();
-    if (!patient.mandible.tri.empty()) {
-      const Surface jaw = triangles_of(atlas.mandible);
-      fine.with_scale = true;
-      if (const IcpResult j = icp(patient.mandible, SurfaceTarget(jaw), best, fine, workers); sound(j))
+    if (!patient.mandible.tri.empty())
+      if (const IcpResult j = with_size(patient.mandible, triangles_of(atlas.mandible), best))
         mandible_map = j.map.inverse();
+  }
+
+  /// The patient's bone laid upon the synthetic one, sizes made alike. What is moved shrinks where shapes differ:
+  /// nearest places lie nearer then (of a real head both ways differ by a seventh, 2026-11-30). So the size is the
+  /// geometric mean of that of the one laid upon the other and of the other upon the one; with it, turn and shift are
+  /// found again. Where no size within kMostScale comes of it, that of `start`.
+  IcpResult with_size(const Surface& bone, const Surface& like, const Similarity& start) {
+    const auto sound = [](const IcpResult& r) { return r && std::abs(r.map.scale - 1) <= kMostScale; };
+    const SurfaceTarget model(like);
+    IcpSettings s;
+    s.keep = 0.7, s.samples = 8000, s.iterations = 200;
+    IcpSettings growing = s;
+    growing.with_scale = true;
+    Similarity from = start;
+    if (const IcpResult one = icp(bone, model, start, growing, workers); sound(one)) {
+      from = one.map;
+      if (const IcpResult other =
+              icp(in_picture(like, bone, from.inverse()), SurfaceTarget(bone), from.inverse(), growing, workers);
+          sound(other)) {
+        const double grown = 1 / std::sqrt(from.scale * other.map.scale);  // about the middle of the bone
+        Vec3 middle = Vec3::Zero();
+        for (const Vec3& x : bone.x_mm) middle += from(x) / double(bone.x_mm.size());
+        from.scale *= grown, from.t_mm = middle + grown * (from.t_mm - middle);
+      }
     }
+    return icp(bone, model, from, s, workers);
+  }
+
+  /// Places of the synthetic bone that lie where the patient's was in the picture.
+  static Surface in_picture(const Surface& like, const Surface& bone, const Similarity& onto) {
+    Eigen::AlignedBox3d box;
+    for (const Vec3& x : bone.x_mm) box.extend(x);
+    Surface out;
+    for (const Vec3& x : like.x_mm)
+      if (box.contains(onto(x))) out.x_mm.push_back(x);
+    return out;
   }
 
   void first_places() {
@@ -208,11 +232,29 @@ struct Seeker {
               find_ear_canal(*patient.volume, patient.offset, patient.bone_HU, turned(n.first_mm), head, n.side))
         n.at_mm = turned(canal->porion_mm), n.met = n.from_canal = true, ++out.ear_canals;
     }
+    if (out.ear_canals == 1) {  // the other one lies opposite to it, more surely than where the laid skull has it
+      Named &seen = *porion[porion[1]->from_canal], &fellow = *porion[!porion[1]->from_canal];
+      Vec3 place = out.to_head * seen.at_mm;
+      place.x() = -place.x();
+      fellow.first_mm = fellow.at_mm = out.to_head.inverse() * place, fellow.flat_mm = kMirror_mm / 2;
+    }
     // They lie nearly opposite to one another: where they do not one of them is something else, and none is taken.
     if (out.ear_canals != 2) return;
     const Vec3 apart = out.to_head.linear() * (porion[1]->at_mm - porion[0]->at_mm);
     if (elementary::hypot(apart.y(), apart.z()) > kPorionsApart_mm)
       for (Named* n : porion) n->from_canal = false, n->at_mm = n->first_mm, out.ear_canals = 0;
+  }
+
+  const Bvh& ground(const Named& n) const {
+    return n.rule->surface == LandmarkRule::Surface::skull      ? skull
+           : n.rule->surface == LandmarkRule::Surface::mandible ? mandible
+                                                                : skin;
+  }
+  LandmarkSearch search(const Named& n) const { return {ground(n), out.to_head, patient.voxel_mm}; }
+  Vec3 laid_place(const Named& n) const {
+    Vec3 place = out.to_head * n.first_mm;
+    if (!n.rule->pair) place.x() = 0;  // in the plane of symmetry
+    return place;
   }
 
   void by_rule() {
@@ -223,117 +265,49 @@ struct Seeker {
       if (n.from_canal) continue;
       // A rule that looks at one place only says nothing of its own: that of the laid skull is brought to the bone.
       const bool one_place = r.reach_mm[0] == 0 && r.reach_mm[1] == 0;
-      const Bvh& at = r.surface == LandmarkRule::Surface::skull      ? skull
-                      : r.surface == LandmarkRule::Surface::mandible ? mandible
-                                                                     : skin;
-      const Vec3 look(n.side * r.look.x(), r.look.y(), r.look.z()),
-          score(n.side * r.score.x(), r.score.y(), r.score.z());
-      Vec3 place = out.to_head * n.first_mm;
-      if (!r.pair) place.x() = 0;  // in the plane of symmetry
       if (one_place) {
-        const Bvh::Closest c = at.closest(n.first_mm, 15);
+        const Bvh::Closest c = ground(n).closest(n.first_mm, LandmarkSearch::kReach_mm);
         n.met = c.triangle >= 0;
         if (n.met) n.at_mm = c.point_mm;
         continue;
       }
-      if (const std::optional<Vec3> p = seek(at, back, place, look.normalized(), score, r, n.flat_mm))
-        n.at_mm = back * *p, n.met = true;
-      else
-        n.met = false;
+      const SoughtLandmark found = search(n).by_rule(r, laid_place(n), n.side);
+      n.met = found.at_mm.has_value(), n.flat_mm = found.flat_mm;
+      if (n.met) n.at_mm = back * *found.at_mm;
     }
+    keep_order();
     for (Named& n : named) {
       if (n.met || !n.rule->pair) continue;
       const Named* fellow = find(n.name.substr(0, n.name.size() - 1) + (n.side > 0 ? "L" : "R"));
       if (!fellow || !fellow->met) continue;
       Vec3 place = out.to_head * fellow->at_mm;
       place.x() = -place.x();
-      const Bvh& at = n.rule->surface == LandmarkRule::Surface::skull      ? skull
-                      : n.rule->surface == LandmarkRule::Surface::mandible ? mandible
-                                                                           : skin;
-      if (const Bvh::Closest c = at.closest(back * place, kMirror_mm); c.triangle >= 0)
+      if (const Bvh::Closest c = ground(n).closest(back * place, kMirror_mm); c.triangle >= 0)
         n.at_mm = c.point_mm, n.met = n.mirrored = true;
     }
   }
 
-  /// What a ray of a rule meets first from outside, in the head's frame.
-  static std::optional<Vec3> meet(const Bvh& at, const Eigen::Isometry3d& back, const Vec3& from, const Vec3& look,
-                                  double length) {
-    std::array<Bvh::LineHit, 8> hit;
-    const int hits = at.line(back * from, back.linear() * look, 0, length, hit);
-    for (int k = 0; k < std::min(hits, 8); ++k)
-      if (hit[size_t(k)].from_outside) return from + hit[size_t(k)].t * look;
-    return std::nullopt;
-  }
-
-  /// Along v the place where a parabola through the heights around `best` is highest, `wide_mm` to either side; three
-  /// lines beside one another take part. `best` where it has no top there, or the profile is none (an edge, a tip).
-  Vec3 top_of_parabola(const Bvh& at, const Eigen::Isometry3d& back, Vec3 best, const Vec3& look, const Vec3& u,
-                       const Vec3& v, const Vec3& score, double back_mm, double wide, double& flat_mm) const {
-    constexpr int kTo = 6, kRounds = 3;
-    constexpr double kBeside_mm = 3, kLeaves_mm = 0.35;
-    const Vec3 first = best;
-    for (int round = 0; round < kRounds; ++round) {
-      Mat3 A = Mat3::Zero();
-      Vec3 b = Vec3::Zero();
-      double square = 0;
-      int count = 0;
-      for (const double beside : {-kBeside_mm, 0., kBeside_mm})
-        for (int i = -kTo; i <= kTo; ++i) {
-          const double t = double(i) / kTo;
-          const auto p =
-              meet(at, back, best + beside * u + t * wide * v - back_mm * look, look, back_mm + kPastPlace_mm);
-          if (!p) continue;
-          const Vec3 J(1, t, t * t);
-          const double s = (*p - first).dot(score);
-          A += J * J.transpose(), b += s * J, square += s * s, ++count;
-        }
-      if (count < 2 * kTo) return first;
-      const Vec3 c = A.ldlt().solve(b);
-      const double left = std::sqrt(std::max(0., square - b.dot(c)) / count);
-      if (!(c[2] < 0) || !(left < kLeaves_mm)) return first;
-      flat_mm = std::min(kMostFlat_mm, wide * std::sqrt(kUnseen * patient.voxel_mm / -c[2]));
-      const double t = std::clamp(-0.5 * c[1] / c[2], -1., 1.);
-      const auto p = meet(at, back, best + t * wide * v - back_mm * look, look, back_mm + kPastPlace_mm);
-      if (!p) return first;
-      best = *p;
-      if (std::abs(t) < 0.02) break;
+  /// Along a profile landmarks follow one another from above. Of two that do not each goes where the laid skull has it:
+  /// at the border of a picture, say, a rule has found the border.
+  void keep_order() {
+    static const std::vector<std::vector<const char*>> profiles = {
+        {"G", "N", "Rhi", "ANS", "A", "Is"},
+        {"Ii", "B", "Pog", "Gn"},
+        {"g'", "n'", "prn", "sn", "ls", "sto", "li", "sl", "pog'", "gn'"}};
+    const Eigen::Isometry3d back = out.to_head.inverse();
+    const auto height = [&](const Named& n) { return (out.to_head * n.at_mm).z(); };
+    for (const auto& profile : profiles) {
+      std::vector<Named*> met, astray;
+      for (Named& n : named)
+        if (n.met && std::find(profile.begin(), profile.end(), n.name) != profile.end()) met.push_back(&n);
+      for (size_t i = 1; i < met.size(); ++i)
+        if (height(*met[i]) > height(*met[i - 1])) astray.insert(astray.end(), {met[i - 1], met[i]});
+      for (Named* n : astray) {
+        const SoughtLandmark laid = search(*n).as_laid(*n->rule, laid_place(*n), n->side);
+        if (laid.at_mm) n->at_mm = back * *laid.at_mm;
+        n->flat_mm = laid.flat_mm;
+      }
     }
-    return (best - first).norm() <= 2 * wide ? best : first;
-  }
-
-  /// The same search as on the synthetic head (head_landmarks.cpp), with rays that meet triangles; in the head's frame.
-  std::optional<Vec3> seek(const Bvh& at, const Eigen::Isometry3d& back, const Vec3& place, const Vec3& look,
-                           const Vec3& score, const LandmarkRule& r, double& flat_mm) const {
-    flat_mm = 0;
-    const Vec3 helper = std::abs(look.x()) > 0.9 ? Vec3::UnitY() : Vec3::UnitX();
-    const Vec3 u = (helper - helper.dot(look) * look).normalized(), v = look.cross(u);
-    const double most_a = r.reach_mm[0] > 0 ? r.reach_mm[0] + kSlack_mm : 0,
-                 most_b = r.reach_mm[1] > 0 ? r.reach_mm[1] + kSlack_mm : 0;
-    double a0 = 0, b0 = 0, ra = most_a, rb = most_b;
-    std::optional<Vec3> best;
-    for (int round = 0; round < 7; ++round) {
-      double best_a = a0, best_b = b0;
-      const int na = ra > 0 ? 5 : 0, nb = rb > 0 ? 7 : 0;
-      for (int i = -na; i <= na; ++i)
-        for (int j = -nb; j <= nb; ++j) {
-          const double a = na ? std::clamp(a0 + ra * i / na, -most_a, most_a) : 0,
-                       b = nb ? std::clamp(b0 + rb * j / nb, -most_b, most_b) : 0;
-          const Vec3 from = place + a * u + b * v - r.back_mm * look;
-          std::array<Bvh::LineHit, 8> hit;
-          const int hits = at.line(back * from, back.linear() * look, 0, r.back_mm + kPastPlace_mm, hit);
-          for (int k = 0; k < std::min(hits, 8); ++k)
-            if (hit[size_t(k)].from_outside) {
-              const Vec3 p = from + hit[size_t(k)].t * look;
-              if (!best || p.dot(score) > best->dot(score)) best = p, best_a = a, best_b = b;
-              break;
-            }
-        }
-      a0 = best_a, b0 = best_b, ra *= 0.5, rb *= 0.4;
-    }
-    const bool profile = most_a == 0 && std::abs(score.normalized().dot(look)) > 0.99;
-    if (best && profile)
-      best = top_of_parabola(at, back, *best, look, u, v, score, r.back_mm, kProfile * r.reach_mm[1], flat_mm);
-    return best;
   }
 
   void finish() {
@@ -343,8 +317,11 @@ struct Seeker {
         continue;
       }
       const double moved = n.mirrored ? kMirror_mm : n.from_canal ? 0 : (n.at_mm - n.first_mm).norm();
+      // What is taken as the laid skull has it is off by as much as the shapes differ.
+      const bool as_laid = n.rule->reach_mm[0] == 0 && n.rule->reach_mm[1] == 0 && !n.from_canal;
+      const double unlike = as_laid ? out.skull_rms_mm : 0;
       const double sd = std::sqrt(0.25 * patient.voxel_mm * patient.voxel_mm / 3 + moved * moved / 12 +
-                                  n.flat_mm * n.flat_mm / 3 + 0.09);
+                                  n.flat_mm * n.flat_mm / 3 + unlike * unlike + 0.09);
       out.landmark.push_back(
           {n.name, out.to_head * n.at_mm, sd, n.rule->surface == LandmarkRule::Surface::skin, n.mirrored});
     }

@@ -1,19 +1,20 @@
 #pragma once
 // Where a head's landmarks are, and which way it looks: the frame of a head from surfaces of its bone and skin.
 //
-//   laid upon   the synthetic head's skull is laid upon the patient's from five tilts (trimmed ICP with scale), its
-//               mandible upon the mandible; every landmark has a first place then
-//   by rule     each landmark is sought on the patient's own surface near that place by the rule that defines it: rays
-//               of one direction, of the places met the farthest one along another (synthetic_head.h: landmark_rules)
-//               where the rule is a deepest or foremost place of a profile, of a parabola through what lies around it:
-//               profiles are flat there, and the one farthest place is that of noise
-//   porion      the upper rim of the bony ear canal where the picture shows one; else by rule
+//   laid upon   the synthetic head's skull is laid upon the patient's from five tilts (trimmed ICP), its mandible on
+//               the mandible, each with the size that lies between what the one says of the other and the other of the
+//               one; every landmark has a first place then
+//   by rule     each landmark is sought on the patient's own surface near that place by the rule that defines it
+//               (landmark_search.h); along a profile they follow one another
+//   porion      the upper rim of the bony ear canal where the picture shows one; of one canal its mirror image; else
+//               that of the laid skull
 //   pairs       one that no ray meets is sought on bone where its fellow's mirror image lies, and said to be so
 //   frame       x across the plane of symmetry of the skull (laid upon its own mirror image), the Frankfort horizontal
 //               through both porions and the orbitals flat, origin midway between the porions; then rules once more
 //
 // How far a landmark may be off (`sd_mm` per coordinate) is stated from how far its rule moved it from where the laid
-// skull has it, how flat the profile is on which it was sought, and the size of a voxel.
+// skull has it, how level the surface is on which it was sought, the size of a voxel, and, where it is as the laid skull
+// has it, from how unlike the shapes are.
 #include <span>
 #include <string>
 #include <string_view>

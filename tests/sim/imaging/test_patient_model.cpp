@@ -147,19 +147,24 @@ void the_vault_is_as_thick_as_it_is() {
 
 void landmarks_and_frame_are_found() {
   const Anatomy& a = turned().patient.anatomy;
-  double sum = 0;
-  int count = 0, within = 0;
+  double sum[2] = {0, 0};  // on bone, on the skin
+  int count[2] = {0, 0}, within[2] = {0, 0};
   std::map<std::string, Vec3> at;
   for (const FoundLandmark& l : a.landmark) {
     at[l.name] = l.at_mm;
     const auto t = turned().truth.find(l.name);
-    if (l.on_skin || t == turned().truth.end()) continue;
+    if (t == turned().truth.end()) continue;
     const double off = (l.at_mm - t->second).norm();
-    sum += off, ++count, within += off < 2 * std::sqrt(3.) * l.sd_mm;
+    sum[l.on_skin] += off, ++count[l.on_skin], within[l.on_skin] += off < 2 * std::sqrt(3.) * l.sd_mm;
   }
-  EXPECT_GE(count, 26);
-  EXPECT_LT(sum / count, 1.5);  // the bar of the issue
-  EXPECT_GE(within, count - 4);
+  for (const int skin : {0, 1}) {
+    std::printf("%s: mean %.2f mm of %d landmarks, %d within twice what is stated\n", skin ? "skin" : "bone",
+                sum[skin] / count[skin], count[skin], within[skin]);
+    EXPECT_GE(count[skin], 24);
+    EXPECT_GE(within[skin], count[skin] - 1);
+  }
+  EXPECT_LT(sum[0] / count[0], 1.5);  // the bar of the issue; on the skin the nose's wings are as laid
+  EXPECT_LT((sum[0] + sum[1]) / (count[0] + count[1]), 1.5);
   // Sides and signs.
   EXPECT_GT(at["Po_R"].x(), 50);
   EXPECT_LT(at["Po_L"].x(), -50);
