@@ -13,8 +13,8 @@
 //               through both porions and the orbitals flat, origin midway between the porions; then rules once more
 //
 // How far a landmark may be off (`sd_mm` per coordinate) is stated from how far its rule moved it from where the laid
-// skull has it, how level the surface is on which it was sought, the size of a voxel, and, where it is as the laid skull
-// has it, from how unlike the shapes are.
+// skull has it, how level the surface is on which it was sought, the size of a voxel, and how unlike the shapes are
+// where it is as the laid skull has it.
 #include <span>
 #include <string>
 #include <string_view>
