@@ -47,7 +47,7 @@ struct Seeker {
     double side;
     Vec3 first_mm, at_mm;  // in the frame of the surfaces
     double flat_mm = 0;    // along the profile: so far it may lie from its place without that being seen
-    bool met = false, from_canal = false, mirrored = false;
+    bool met = false, from_canal = false, mirrored = false, as_laid = false;
   };
   std::vector<Named> named;
 
@@ -144,7 +144,7 @@ struct Seeker {
                                         [&](const auto& l) { return l.first == name; });
         if (known == atlas.landmarks.end()) continue;
         const Vec3 x = jaw || r.carried ? mandible_map(known->second) : skull_map(known->second);
-        named.push_back({name, &r, side, x, x, 0, false, false, false});
+        named.push_back({name, &r, side, x, x});
       }
     bring_nearer();
   }
@@ -268,11 +268,11 @@ struct Seeker {
       if (one_place) {
         const Bvh::Closest c = ground(n).closest(n.first_mm, LandmarkSearch::kReach_mm);
         n.met = c.triangle >= 0;
-        if (n.met) n.at_mm = c.point_mm;
+        if (n.met) n.at_mm = c.point_mm, n.as_laid = true;
         continue;
       }
       const SoughtLandmark found = search(n).by_rule(r, laid_place(n), n.side);
-      n.met = found.at_mm.has_value(), n.flat_mm = found.flat_mm;
+      n.met = found.at_mm.has_value(), n.flat_mm = found.flat_mm, n.as_laid = found.as_laid;
       if (n.met) n.at_mm = back * *found.at_mm;
     }
     keep_order();
@@ -287,8 +287,8 @@ struct Seeker {
     }
   }
 
-  /// Along a profile landmarks follow one another from above. Of two that do not each goes where the laid skull has it:
-  /// at the border of a picture, say, a rule has found the border.
+  /// Along a profile landmarks follow one another from above, as their rules are listed. Of two that do not each goes
+  /// where the laid skull has it: at the border of a picture, say, a rule has found the border.
   void keep_order() {
     static const std::vector<std::vector<const char*>> profiles = {
         {"G", "N", "Rhi", "ANS", "A", "Is"},
@@ -305,7 +305,7 @@ struct Seeker {
       for (Named* n : astray) {
         const SoughtLandmark laid = search(*n).as_laid(*n->rule, laid_place(*n), n->side);
         if (laid.at_mm) n->at_mm = back * *laid.at_mm;
-        n->flat_mm = laid.flat_mm;
+        n->flat_mm = laid.flat_mm, n->as_laid = true;
       }
     }
   }
@@ -317,9 +317,7 @@ struct Seeker {
         continue;
       }
       const double moved = n.mirrored ? kMirror_mm : n.from_canal ? 0 : (n.at_mm - n.first_mm).norm();
-      // What is taken as the laid skull has it is off by as much as the shapes differ.
-      const bool as_laid = n.rule->reach_mm[0] == 0 && n.rule->reach_mm[1] == 0 && !n.from_canal;
-      const double unlike = as_laid ? out.skull_rms_mm : 0;
+      const double unlike = n.as_laid ? out.skull_rms_mm : 0;  // off by as much as the shapes differ
       const double sd = std::sqrt(0.25 * patient.voxel_mm * patient.voxel_mm / 3 + moved * moved / 12 +
                                   n.flat_mm * n.flat_mm / 3 + unlike * unlike + 0.09);
       out.landmark.push_back(
@@ -327,7 +325,9 @@ struct Seeker {
     }
     // The sella is a stated place of the synthetic head and lies on no surface that is sought.
     for (const auto& [name, at] : atlas.landmarks)
-      if (name == "S") out.landmark.push_back({"S", out.to_head * skull_map(at), 3, false, false});
+      if (name == "S")
+        out.landmark.push_back(
+            {"S", out.to_head * skull_map(at), elementary::hypot(3, out.skull_rms_mm), false, false});
     const Mat3& R = out.to_head.linear();
     out.yaw_deg = elementary::atan2(R(1, 0), R(1, 1)) * 180 / M_PI;
     out.pitch_deg = elementary::asin(std::clamp(R(2, 1), -1., 1.)) * 180 / M_PI;

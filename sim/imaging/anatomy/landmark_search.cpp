@@ -156,7 +156,7 @@ struct Rays {
 };
 
 SoughtLandmark at_first_place(const Rays& rays, const Window& w) {
-  SoughtLandmark out{rays.meet(w, 0, 0), std::max(w.most_a, w.most_b)};
+  SoughtLandmark out{rays.meet(w, 0, 0), std::max(w.most_a, w.most_b), true};
   if (out.at_mm) return out;
   const Bvh::Closest c = rays.surface.closest(rays.back * w.place, LandmarkSearch::kReach_mm);
   if (c.triangle >= 0) out.at_mm = rays.back.inverse() * c.point_mm;

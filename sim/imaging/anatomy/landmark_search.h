@@ -17,6 +17,7 @@ namespace limberg {
 struct SoughtLandmark {
   std::optional<Vec3> at_mm;  // in the frame of the head; nothing: there is no surface
   double flat_mm = 0;         // so far it may lie from its place without that being seen
+  bool as_laid = false;       // the first place, brought to the surface
 };
 
 struct LandmarkSearch {

@@ -31,7 +31,7 @@ struct Case {
   std::map<std::string, Vec3> truth;
 };
 
-/// `top_mm`: where the picture ends.
+/// `top_mm`: the picture ends so far above the porions.
 Case case_of(double top_mm, bool mirror) {
   const auto shaped = [&](const Vec3& x) { return mirror ? mirrored(another(x)) : another(x); };
   const auto part = [&](const simplex::Mesh& mesh) {
@@ -67,7 +67,7 @@ Case case_of(double top_mm, bool mirror) {
 
 /// Of each landmark that is found how far it is off, in mm, and over how much its error may be, per coordinate.
 struct Off {
-  double mean_mm = 0, most_sd = 0;
+  double mean_mm = 0, most_sd = 0, median_sd = 0;
   std::string worst;
   std::map<std::string, std::pair<Vec3, double>> at;  // where the surfaces are, and its error
   std::map<std::string, double> height;               // in the frame of the head
@@ -77,6 +77,7 @@ Off off(const Case& c) {
   const Anatomy found = find_anatomy(c.surfaces, atlas(), w);
   const Eigen::Isometry3d back = found.to_head.inverse();
   Off out;
+  std::vector<double> sds;
   for (const FoundLandmark& l : found.landmark) {
     out.at[l.name] = {back * l.at_mm, l.sd_mm}, out.height[l.name] = l.at_mm.z();
     const auto known = c.truth.find(l.name);
@@ -84,9 +85,12 @@ Off off(const Case& c) {
     const double off_mm = (back * l.at_mm - known->second).norm(), sd = off_mm / std::sqrt(3) / l.sd_mm;
     out.mean_mm += off_mm / double(c.truth.size());
     if (sd > out.most_sd) out.most_sd = sd, out.worst = l.name;
+    sds.push_back(sd);
   }
-  std::printf("skull laid within %.1f mm; mean %.2f mm, most %.2f sd of %s\n", found.skull_rms_mm, out.mean_mm,
-              out.most_sd, out.worst.c_str());
+  std::nth_element(sds.begin(), sds.begin() + ptrdiff_t(sds.size() / 2), sds.end());
+  out.median_sd = sds[sds.size() / 2];
+  std::printf("skull laid within %.1f mm; mean %.2f mm, median %.2f sd, most %.2f sd of %s\n", found.skull_rms_mm,
+              out.mean_mm, out.median_sd, out.most_sd, out.worst.c_str());
   return out;
 }
 
@@ -96,15 +100,16 @@ const Off& cut_off(bool mirror) {
   return mirror ? other : one;
 }
 
-TEST(Anatomy, OfAHeadOfAnotherShapeNoLandmarkIsOffByMoreThanItSays) {
+void no_landmark_is_off_by_more_than_it_says() {
   for (const bool mirror : {false, true}) {
     const Off& o = cut_off(mirror);
     EXPECT_LT(o.most_sd, 3) << o.worst << (mirror ? ", mirrored" : "");
+    EXPECT_GT(o.median_sd, 0.2) << "what is stated is not more than five times the truth at the median";
     EXPECT_GT(o.at.size(), 48u);
   }
 }
 
-TEST(Anatomy, AMirroredHeadHasMirroredLandmarks) {
+void a_mirrored_head_has_mirrored_landmarks() {
   const Off &one = cut_off(false), &other = cut_off(true);
   for (const auto& [name, l] : one.at) {
     std::string own = name;
@@ -115,7 +120,7 @@ TEST(Anatomy, AMirroredHeadHasMirroredLandmarks) {
   }
 }
 
-TEST(Anatomy, AlongAProfileLandmarksFollowOneAnother) {
+void along_a_profile_they_follow_one_another() {
   for (const std::vector<const char*>& profile : {std::vector<const char*>{"G", "N", "Rhi", "ANS", "A", "Is"},
                                                   {"Ii", "B", "Pog", "Gn"},
                                                   {"g'", "n'", "prn", "sn", "ls", "sto", "li", "sl", "pog'", "gn'"}}) {
@@ -126,6 +131,13 @@ TEST(Anatomy, AlongAProfileLandmarksFollowOneAnother) {
         above = l->second;
       }
   }
+}
+
+// One test: each of the two heads takes ten seconds and more.
+TEST(Anatomy, OfAHeadOfAnotherShapeAndOfItsMirrorImage) {
+  no_landmark_is_off_by_more_than_it_says();
+  a_mirrored_head_has_mirrored_landmarks();
+  along_a_profile_they_follow_one_another();
 }
 
 }  // namespace test_anatomy
