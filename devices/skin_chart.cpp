@@ -93,14 +93,21 @@ SkinTouch SkinChart::at(const Snapshot& s, const ChartPoint& c, double slack_mm)
 }
 
 SkinTouch SkinChart::at_rest(const Snapshot& s, const Vec3& X, double reach_mm) {
+  return at_rest(s, X, reach_mm, s.topology->index(Ground::skin).triangle);
+}
+
+SkinTouch SkinChart::at_rest(const Snapshot& s, const Vec3& X, double reach_mm, std::span<const int32_t> triangles,
+                             const Vec3* out) {
   const SurfaceView& v = s.topology->view;
   int32_t triangle = -1;
   std::array<double, 3> bary{1, 0, 0};
   double best = reach_mm * reach_mm;
-  for (const int32_t t : s.topology->index(Ground::skin).triangle) {
+  for (const int32_t t : triangles) {
     const Tri& k = v.tri[size_t(t)];
-    const TrianglePoint p = closest_on_triangle(X, v.X_mm[size_t(k[0])], v.X_mm[size_t(k[1])], v.X_mm[size_t(k[2])]);
-    if (const double d2 = (p.point - X).squaredNorm(); d2 < best) best = d2, triangle = t, bary = p.bary;
+    const Vec3 &a = v.X_mm[size_t(k[0])], &b = v.X_mm[size_t(k[1])], &c = v.X_mm[size_t(k[2])];
+    const TrianglePoint p = closest_on_triangle(X, a, b, c);
+    const double d2 = (p.point - X).squaredNorm();
+    if (d2 < best && (!out || (b - a).cross(c - a).dot(*out) > 0)) best = d2, triangle = t, bary = p.bary;
   }
   return touch_at(s, triangle, bary, std::sqrt(best));
 }

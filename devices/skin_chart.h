@@ -2,6 +2,7 @@
 // The skin under a point of the chart: a uniform grid over the chart, made once per version of the topology. For
 // whoever plans on the chart (the emulated surgeon), not for the device thread: making it allocates.
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "devices/surface_index.h"
@@ -22,6 +23,9 @@ class SkinChart {
   /// The skin that lies nearest to X at rest, in its deformed place; triangle -1 where there is none within reach_mm.
   /// O(triangles of skin)
   static SkinTouch at_rest(const Snapshot& s, const Vec3& X_mm, double reach_mm);
+  /// The same of these triangles, and where `out` is given only of those that look along it at rest.
+  static SkinTouch at_rest(const Snapshot& s, const Vec3& X_mm, double reach_mm, std::span<const int32_t> triangles,
+                           const Vec3* out = nullptr);
 
  private:
   int cell_x(double x) const;

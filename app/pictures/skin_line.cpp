@@ -5,8 +5,7 @@
 #include <string>
 
 #include "sim/body/skin_view.h"
-#include "sim/body/texture_places.h"
-#include "sim/geometry/triangle.h"
+#include "sim/commands/texture_script.h"
 
 namespace limberg {
 namespace {
@@ -23,39 +22,19 @@ void finely(const std::vector<Point>& path, F f) {
   }
 }
 
-/// The skin beside a line, searched at rest.
-class Beside {
- public:
-  Beside(const Snapshot& s, const std::vector<Vec3>& places) : s_(s) {
-    Eigen::AlignedBox3d box;
-    for (const Vec3& X : places) box.extend(X);
-    box.min().array() -= kOffSkin_mm, box.max().array() += kOffSkin_mm;
-    for (const int32_t t : s.topology->index(Ground::skin).triangle) {
-      Eigen::AlignedBox3d of;
-      for (const int32_t v : s.topology->view.tri[size_t(t)]) of.extend(X_mm(v));
-      if (of.intersects(box)) tri_.push_back(t);
-    }
+/// Triangles of skin that may lie within kOffSkin_mm of the line, at rest.
+std::vector<int32_t> skin_beside(const SurfaceTopology& topology, const std::vector<Vec3>& places) {
+  Eigen::AlignedBox3d box;
+  for (const Vec3& X : places) box.extend(X);
+  box.min().array() -= kOffSkin_mm, box.max().array() += kOffSkin_mm;
+  std::vector<int32_t> beside;
+  for (const int32_t t : topology.index(Ground::skin).triangle) {
+    Eigen::AlignedBox3d of;
+    for (const int32_t v : topology.view.tri[size_t(t)]) of.extend(topology.view.X_mm[size_t(v)]);
+    if (of.intersects(box)) beside.push_back(t);
   }
-  /// The nearest skin within kOffSkin_mm, of that which looks along `out` where one is given.
-  SkinTouch nearest(const Vec3& X, const Vec3* out) const {
-    int32_t triangle = -1;
-    std::array<double, 3> bary{1, 0, 0};
-    double best = kOffSkin_mm * kOffSkin_mm;
-    for (const int32_t t : tri_) {
-      const Tri& k = s_.topology->view.tri[size_t(t)];
-      const Vec3 &a = X_mm(k[0]), &b = X_mm(k[1]), &c = X_mm(k[2]);
-      const TrianglePoint p = closest_on_triangle(X, a, b, c);
-      const double d2 = (p.point - X).squaredNorm();
-      if (d2 < best && (!out || (b - a).cross(c - a).dot(*out) > 0)) best = d2, triangle = t, bary = p.bary;
-    }
-    return touch_at(s_, triangle, bary, std::sqrt(best));
-  }
-
- private:
-  const Vec3& X_mm(int32_t v) const { return s_.topology->view.X_mm[size_t(v)]; }
-  const Snapshot& s_;
-  std::vector<int32_t> tri_;
-};
+  return beside;
+}
 
 }  // namespace
 
@@ -63,31 +42,27 @@ std::optional<SkinLine> skin_line(const Command& command) {
   const auto* placed = std::get_if<InSpace>(&command);
   const auto* m = placed ? std::get_if<Mark>(&placed->act) : std::get_if<Mark>(&command);
   if (!m || m->path.empty()) return std::nullopt;
-  SkinLine line{m->path, {}, m->wipes};
-  if (placed) line.X_mm = places_of(*placed);
+  SkinLine line{m->path, std::nullopt, m->wipes};
+  if (placed) line.placed = *placed;
   return line;
 }
 
 std::vector<SkinTouch> laid_on_skin(const Snapshot& s, const SkinChart& chart, const SkinLine& line) {
   std::vector<SkinTouch> out;
-  if (line.X_mm.empty()) {
+  if (!line.placed) {
     finely(line.chart, [&](size_t, double, const ChartPoint& p) { out.push_back(chart.at(s, p, kBeside_mm)); });
     return out;
   }
-  std::vector<Vec3> places = line.X_mm;
   std::string reason;
-  for (Vec3& X : places) {
-    if (!std::isnan(X.z())) continue;
-    const auto on = s.topology->body ? place_on_texture(*s.topology->body, X.head<2>(), reason) : std::nullopt;
-    if (!on) return {};
-    X = *on;
-  }
-  const Beside beside(s, places);
+  const auto on_body = on_texture(*line.placed, *s.topology->body, reason);
+  if (!on_body) return out;
+  const std::vector<Vec3> places = places_of(*on_body);
+  const std::vector<int32_t> beside = skin_beside(*s.topology, places);
   std::vector<Vec3> looks;
-  for (const Vec3& X : places) looks.push_back(beside.nearest(X, nullptr).N);
+  for (const Vec3& X : places) looks.push_back(SkinChart::at_rest(s, X, kOffSkin_mm, beside).N);
   finely(places, [&](size_t i, double t, const Vec3& X) {
     const Vec3 look = (1 - t) * looks[i] + t * looks[std::min(i + 1, looks.size() - 1)];
-    out.push_back(beside.nearest(X, &look));
+    out.push_back(SkinChart::at_rest(s, X, kOffSkin_mm, beside, &look));
   });
   return out;
 }

@@ -166,18 +166,10 @@ struct Seeker {
     for (Named& n : named) {
       const Pair& p = pairs[size_t(n.rule->surface)];
       const Vec3 at = (n.rule->carried ? mandible_map : skull_map).inverse()(n.first_mm);
-      Surface patch;
-      std::vector<int32_t> number(p.model.x_mm.size(), -1);
-      for (const Tri& t : p.model.tri) {
-        if (!((p.model.x_mm[size_t(t[0])] - at).norm() < kPatch_mm)) continue;
-        Tri own;
-        for (size_t c = 0; c < 3; ++c) {
-          int32_t& i = number[size_t(t[c])];
-          if (i < 0) i = int32_t(patch.x_mm.size()), patch.x_mm.push_back(p.model.x_mm[size_t(t[c])]);
-          own[c] = i;
-        }
-        patch.tri.push_back(own);
-      }
+      Surface around{p.model.x_mm, {}};
+      for (const Tri& t : p.model.tri)
+        if ((p.model.x_mm[size_t(t[0])] - at).norm() < kPatch_mm) around.tri.push_back(t);
+      const Surface patch = compacted(around);
       if (patch.tri.size() < 50) continue;
       const Similarity start = n.rule->carried ? mandible_map : p.map;
       const IcpResult r = icp(patch, *p.target, start, s, workers);

@@ -71,11 +71,11 @@ struct Reference {
 class ServedDevice {
  public:
   ServedDevice(Call::Device device, const Case& c, const std::string& folder)
-      : case_(c), link_(folder + "/port"), port_(std::to_string(free_udp_port())), random_(uint64_t(c.number)) {
+      : case_(c), link_(folder + "/port"), port_(free_udp_port()), random_(uint64_t(c.number)) {
     if (device == Call::fastrak) line_ = std::make_unique<fastrak::EmulatedPort>(fastrak::hand_at_work(1)), lay();
-    if (device == Call::lcm) stylus_ = std::make_unique<LcmPublisher>(udpm_here(std::stoi(port_)), false);
+    if (device == Call::lcm) stylus_ = std::make_unique<LcmPublisher>(udpm_here(port_), false);
   }
-  const std::string& port() const { return port_; }
+  std::string port() const { return std::to_string(port_); }
   int64_t faults() const { return faults_; }
   /// So long after the start; `at_work`: the program has begun its work.
   void serve(int64_t ns, bool at_work) {
@@ -108,7 +108,8 @@ class ServedDevice {
     if (later_) stylus_->publish(*std::exchange(later_, std::nullopt));
   }
   const Case case_;
-  const std::string link_, port_;
+  const std::string link_;
+  const int port_;
   std::mt19937_64 random_;
   std::unique_ptr<fastrak::EmulatedPort> line_;
   std::unique_ptr<LcmPublisher> stylus_;

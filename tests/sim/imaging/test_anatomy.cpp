@@ -31,36 +31,28 @@ struct Case {
   std::map<std::string, Vec3> truth;
 };
 
-/// `top_mm`: the picture ends so far above the porions.
-Case case_of(double top_mm, bool mirror) {
+/// The picture ends so far above the porions, above the brows.
+constexpr double kTop_mm = 55;
+Case case_of(bool mirror) {
   const auto shaped = [&](const Vec3& x) { return mirror ? mirrored(another(x)) : another(x); };
   const auto part = [&](const simplex::Mesh& mesh) {
     const Surface all = triangles_of(mesh);
     Surface s;
-    std::vector<int32_t> number(all.x_mm.size(), -1);
-    for (const Tri& t : all.tri) {
-      if (std::any_of(t.begin(), t.end(), [&](int32_t v) { return shaped(all.x_mm[size_t(v)]).z() > top_mm; }))
-        continue;
-      Tri own;
-      for (size_t c = 0; c < 3; ++c) {
-        int32_t& i = number[size_t(t[c])];
-        if (i < 0) i = int32_t(s.x_mm.size()), s.x_mm.push_back(shaped(all.x_mm[size_t(t[c])]));
-        own[c] = i;
-      }
-      if (mirror) std::swap(own[1], own[2]);
-      s.tri.push_back(own);
-    }
-    return s;
+    for (const Vec3& x : all.x_mm) s.x_mm.push_back(shaped(x));
+    for (const Tri& t : all.tri)
+      if (std::none_of(t.begin(), t.end(), [&](int32_t v) { return s.x_mm[size_t(v)].z() > kTop_mm; }))
+        s.tri.push_back(mirror ? Tri{t[0], t[2], t[1]} : t);
+    return compacted(s);
   };
   Case c;
   c.surfaces.skull = part(atlas().cranium), c.surfaces.mandible = part(atlas().mandible);
   c.surfaces.skin = part(atlas().face);
-  c.surfaces.brain_mm = Vec3(0, 0, std::min(55., top_mm / 2));
+  c.surfaces.brain_mm = Vec3(0, 0, kTop_mm / 2);
   c.surfaces.voxel_mm = 2;
   for (const auto& [name, x] : atlas().landmarks) {
     std::string own = name;
     if (mirror && (name.ends_with("_L") || name.ends_with("_R"))) own.back() = name.back() == 'L' ? 'R' : 'L';
-    if (const Vec3 at = shaped(x); at.z() < top_mm) c.truth[own] = at;
+    if (const Vec3 at = shaped(x); at.z() < kTop_mm) c.truth[own] = at;
   }
   return c;
 }
@@ -94,15 +86,14 @@ Off off(const Case& c) {
   return out;
 }
 
-/// Its picture ends above the brows.
-const Off& cut_off(bool mirror) {
-  static const Off one = off(case_of(55, false)), other = off(case_of(55, true));
+const Off& found_on(bool mirror) {
+  static const Off one = off(case_of(false)), other = off(case_of(true));
   return mirror ? other : one;
 }
 
 void no_landmark_is_off_by_more_than_it_says() {
   for (const bool mirror : {false, true}) {
-    const Off& o = cut_off(mirror);
+    const Off& o = found_on(mirror);
     EXPECT_LT(o.most_sd, 3) << o.worst << (mirror ? ", mirrored" : "");
     EXPECT_GT(o.median_sd, 0.2) << "what is stated is not more than five times the truth at the median";
     EXPECT_GT(o.at.size(), 48u);
@@ -110,7 +101,7 @@ void no_landmark_is_off_by_more_than_it_says() {
 }
 
 void a_mirrored_head_has_mirrored_landmarks() {
-  const Off &one = cut_off(false), &other = cut_off(true);
+  const Off &one = found_on(false), &other = found_on(true);
   for (const auto& [name, l] : one.at) {
     std::string own = name;
     if (name.ends_with("_L") || name.ends_with("_R")) own.back() = name.back() == 'L' ? 'R' : 'L';
@@ -126,7 +117,7 @@ void along_a_profile_they_follow_one_another() {
                                                   {"g'", "n'", "prn", "sn", "ls", "sto", "li", "sl", "pog'", "gn'"}}) {
     double above = 1e9;
     for (const char* name : profile)
-      if (const auto l = cut_off(false).height.find(name); l != cut_off(false).height.end()) {
+      if (const auto l = found_on(false).height.find(name); l != found_on(false).height.end()) {
         EXPECT_LT(l->second, above) << name;
         above = l->second;
       }
