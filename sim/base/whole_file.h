@@ -45,6 +45,8 @@ class OpenedFile {
   OpenedFile& operator=(const OpenedFile&) = delete;
 
   size_t size() const { return size_; }
+  /// The next byte that is read; beyond the end nothing is.
+  void go_to(size_t at) { lseek(fd_, off_t(at), SEEK_SET); }
   /// The next bytes, fewer only at the end. InputError when the disk refuses.
   size_t read(void* to, size_t most) {
     size_t done = 0;

@@ -107,7 +107,7 @@ LoadedVolume load_dicom(const std::string& path, const LoadSettings& settings) {
   std::string wanted = settings.series;
   DicomFile one;
   const bool by_slice = names_one_slice(path) && wanted.empty();
-  if (by_slice) one = read_dicom_header(path);
+  if (by_slice) one = read_dicom_header(path).front();
   DicomFolder all = folder_of(path);
   const auto list = [&] {
     std::string s;
@@ -126,7 +126,8 @@ LoadedVolume load_dicom(const std::string& path, const LoadSettings& settings) {
   size_t chosen = 0;
   if (by_slice) {
     while (chosen < all.series.size() &&
-           (all.series[chosen].uid != one.series || all.series[chosen].patient != one.patient))
+           (all.series[chosen].uid != one.series || all.series[chosen].patient != one.patient ||
+            all.series[chosen].slice.front().stack != one.stack))
       ++chosen;
     if (chosen == all.series.size()) throw InputError(path, 0, "has no pixels; expected a slice of a series");
   } else if (!wanted.empty()) {

@@ -1,19 +1,21 @@
 #pragma once
-// DICOM series: slices, one file each, in a folder as a disc holds them.
+// DICOM series: slices, one file each or all in one, in a folder as a disc holds them.
 //
 // A folder is walked with its subfolders, eight deep and 20,000 entries at most; a link back to a folder that was
 // walked leads nowhere. A DICOMDIR stands for its folder, another file for its series among the files beside it. Files
 // that are no DICOM or have no pixels are passed over, and so is a file that cannot be parsed: it is named in the
 // notes, and refused only when nothing is left. The same slice in two folders is read once.
 //
-// Read: Explicit and Implicit VR little endian, one number of 8 or 16 bits per pixel, one frame per file; sequences are
+// Read: Explicit and Implicit VR little endian, one number of 8 or 16 bits per pixel. A file of several frames
+// (Enhanced CT) says in a group for each where it lies; its stacks are series of their own. Other sequences are
 // skipped. Pixels are plain, run lengths, or (where GDCM is installed) JPEG, JPEG-LS and JPEG 2000. Slices are sorted
 // by where they lie along the normal of their plane, not by name. Values are made with slope and intercept; padding and
 // what is below -1500 becomes air (-1000, or the least other number where that is higher). A gantry that was tilted
 // (slices that drift in their own plane) and gaps that are uneven are evened out by linear interpolation on an
 // orthogonal grid. Refused: slices missing from an even series (unless they are to be bridged), gaps above 10 mm, two
-// slices at one place, slices of different size, spacing or direction, several frames in a file.
-// Whatever was done is said in the notes of what is loaded. (DICOM PS3.3 C.7.6.2, C.11.1; PS3.5 chapter 7, annex G.)
+// slices at one place, slices of different size, spacing or direction, frames that do not say where they lie. Whatever
+// was done is said in the notes of what is loaded. (DICOM PS3.3 C.7.6.2, C.7.6.16, C.11.1; PS3.5 chapter 7, annexes A.4
+// and G.)
 #include <string>
 #include <string_view>
 #include <vector>

@@ -16,6 +16,27 @@ constexpr uint32_t kUndefined = 0xffffffff;
 constexpr int kDeepest = 16;  // sequences within sequences
 constexpr size_t kUsualHeader = 65'536;
 
+enum Tag : uint32_t {
+  kItem = 0xfffee000,
+  kItemEnds = 0xfffee00d,
+  kSequenceEnds = 0xfffee0dd,
+  kPixels = 0x7fe00010,
+  kSharedGroups = 0x52009229,    // of all frames
+  kPerFrameGroups = 0x52009230,  // an item for each frame
+};
+
+/// The groups that hold what a slice's file has at its top (PS3.3 C.7.6.16.2, C.8.15.3, C.8.21.3).
+bool is_read_group(uint32_t tag) {
+  constexpr uint32_t kRead[] = {0x00189314,   // reconstruction: its kernel
+                                0x00189329,   // frame type of a CT
+                                0x00209111,   // frame content: its stack
+                                0x00209113,   // plane position
+                                0x00209116,   // plane orientation
+                                0x00289110,   // pixel measures
+                                0x00289145};  // pixel value transformation
+  return std::find(std::begin(kRead), std::end(kRead), tag) != std::end(kRead);
+}
+
 struct Element {
   uint32_t tag = 0;
   char vr[2] = {0, 0};
@@ -27,8 +48,9 @@ class Parser {
   Parser(std::string_view s, const std::string& file, size_t file_bytes)
       : s_(s), file_(file), file_bytes_(std::max(file_bytes, s.size())) {}
 
-  DicomFile run() {
+  std::vector<DicomFile> run() {
     DicomFile d;
+    std::vector<DicomFile> frame;  // as far as their own groups tell
     d.file = file_;
     if (s_.size() >= 132 && s_.substr(128, 4) == "DICM")
       at_ = 132;
@@ -40,22 +62,42 @@ class Parser {
       const bool meta = u16(at_) == 2;
       if (!meta && !chosen) choose(d), chosen = true;
       const Element e = element(meta || explicit_);
-      if (e.tag == 0x7fe00010) {
+      if (e.tag == kPixels) {
         d.has_pixels = true, d.pixels_at = at_, d.pixel_bytes = std::min(size_t(e.length), file_bytes_ - at_);
         d.compressed = compressed_ || e.length == kUndefined;
         break;
       }
-      if (e.length == kUndefined) {
-        skip_items(is(e, "UN") ? false : explicit_, 0);
-        continue;
+      if (e.tag == kSharedGroups) {
+        const bool vr = has_vr(e, explicit_);
+        items(
+            e, vr, 0, [] { return true; }, [&](const Element& group) { take_group(d, group, vr); });
+      } else if (e.tag == kPerFrameGroups) {
+        const bool vr = has_vr(e, explicit_);
+        const auto next = [&] {
+          if (int32_t(frame.size()) == d.frames) other_number(d, "more");
+          frame.push_back(d), frame.back().frame = int32_t(frame.size()) - 1;
+          return true;
+        };
+        items(e, vr, 0, next, [&](const Element& group) { take_group(frame.back(), group, vr); });
+      } else if (e.length == kUndefined) {
+        skip(e, explicit_, 0);
+      } else {
+        if (e.length > s_.size() - at_) cut(e);
+        take(d, e, s_.substr(at_, e.length));
+        at_ += e.length;
       }
-      if (e.length > s_.size() - at_) cut(e);
-      take(d, e, s_.substr(at_, e.length));
-      at_ += e.length;
     }
     if (!chosen) choose(d);
     if (!d.has_pixels && at_ < s_.size()) throw InputError(file_, 0, "the file is cut short within an element");
-    return d;
+    if (frame.empty()) {
+      d.frame = d.frames == 1 ? 0 : -1;
+      return {d};
+    }
+    if (int32_t(frame.size()) != d.frames) other_number(d, "fewer");
+    for (DicomFile& f : frame)
+      f.has_pixels = d.has_pixels, f.compressed = d.compressed, f.pixels_at = d.pixels_at,
+      f.pixel_bytes = d.pixel_bytes;
+    return frame;
   }
 
  private:
@@ -68,6 +110,11 @@ class Parser {
         fmt::format("the file is cut short or damaged: element ({:04x},{:04x}) has {} bytes, but only {} are left",
                     e.tag >> 16, e.tag & 0xffff, e.length, s_.size() - at_);
     throw InputError(file_, 0, b);
+  }
+
+  [[noreturn]] void other_number(const DicomFile& d, const char* how) const {
+    throw InputError(file_, 0,
+                     fmt::format("holds {} frames, and groups that describe {}; expected one for each", d.frames, how));
   }
 
   void choose(const DicomFile& d) {
@@ -109,29 +156,57 @@ class Parser {
     return e;
   }
 
-  /// Items of a sequence of undefined length, and its end.
-  void skip_items(bool with_vr, int depth) {
+  /// Do the elements in one of undefined length have types? Of unknown type, they have none (PS3.5 6.2.2).
+  static bool has_vr(const Element& e, bool with_vr) { return with_vr && !is(e, "UN"); }
+  /// Where it ends; where only its last element says so, behind all bytes.
+  size_t end_of(const Element& e) const {
+    if (e.length == kUndefined) return std::string_view::npos;
+    if (e.length > s_.size() - at_) cut(e);
+    return at_ + e.length;
+  }
+  /// The items of a sequence whose head was read, to its end. `begin` is called for each item: is it to be read, though
+  /// its length is known? `on` is called for each of its elements, and goes past it.
+  template <class Begin, class On>
+  void items(const Element& sequence, bool with_vr, int depth, const Begin& begin, const On& on) {
     if (depth > kDeepest) throw InputError(file_, 0, "sequences lie more than 16 deep");
-    for (;;) {
+    const size_t end = end_of(sequence);
+    while (at_ < end) {
       const Element item = element(with_vr);
-      if (item.tag == 0xfffee0dd) return;
-      if (item.tag != 0xfffee000) throw InputError(file_, 0, "a sequence holds something that is no item");
-      if (item.length != kUndefined) {
-        if (item.length > s_.size() - at_) cut(item);
-        at_ += item.length;
+      if (item.tag == kSequenceEnds && sequence.length == kUndefined) return;
+      if (item.tag != kItem) throw InputError(file_, 0, "a sequence holds something that is no item");
+      const size_t item_end = end_of(item);
+      if (!begin() && item.length != kUndefined) {
+        at_ = item_end;
         continue;
       }
-      for (;;) {
+      while (at_ < item_end) {
         const Element e = element(with_vr);
-        if (e.tag == 0xfffee00d) break;
-        if (e.length == kUndefined)
-          skip_items(is(e, "UN") ? false : with_vr, depth + 1);
-        else if (e.length > s_.size() - at_)
-          cut(e);
-        else
-          at_ += e.length;
+        if (e.tag == kItemEnds && item.length == kUndefined) break;
+        on(e);
       }
     }
+  }
+  /// Goes past an element whose head was read.
+  void skip(const Element& e, bool with_vr, int depth) {
+    const bool vr = has_vr(e, with_vr);
+    if (e.length == kUndefined)
+      items(
+          e, vr, depth, [] { return false; }, [&](const Element& in) { skip(in, vr, depth + 1); });
+    else
+      at_ = end_of(e);
+  }
+  /// A group of a frame's, or of all frames': what it says goes to `d`.
+  void take_group(DicomFile& d, const Element& group, bool with_vr) {
+    if (!is_read_group(group.tag)) return skip(group, with_vr, 1);
+    const bool vr = has_vr(group, with_vr);
+    items(
+        group, vr, 1, [] { return true; },
+        [&](const Element& e) {
+          if (e.length == kUndefined) return skip(e, vr, 2);
+          const size_t end = end_of(e);
+          take(d, e, s_.substr(at_, e.length));
+          at_ = end;
+        });
   }
 
   static std::string text(std::string_view v) {
@@ -176,6 +251,12 @@ class Parser {
       case 0x00181210:
         d.kernel = text(v);
         break;
+      case 0x00089007:  // of a frame
+        d.image_type = text(v);
+        break;
+      case 0x00209056:
+        d.stack = text(v);
+        break;
       case 0x00080060:
         d.modality = text(v);
         break;
@@ -196,7 +277,10 @@ class Parser {
         d.samples = whole(v, "samples per pixel");
         break;
       case 0x00280008:
-        numbers(v, 1, "the number of frames", n), d.frames = n[0] >= 1 && n[0] < 1e6 ? int32_t(n[0]) : -1;
+        numbers(v, 1, "the number of frames", n);
+        if (!(n[0] >= 1 && n[0] <= kDicomFrames))
+          throw InputError(file_, 0, fmt::format("holds {:g} frames; expected 1 to {}", n[0], kDicomFrames));
+        d.frames = int32_t(n[0]);
         break;
       case 0x00280010:
         d.rows = whole(v, "the number of rows");
@@ -245,22 +329,22 @@ class Parser {
 
 }  // namespace
 
-DicomFile parse_dicom(std::string_view bytes, const std::string& file, size_t file_bytes) {
+std::vector<DicomFile> parse_dicom(std::string_view bytes, const std::string& file, size_t file_bytes) {
   return Parser(bytes, file, file_bytes).run();
 }
 
-DicomFile read_dicom_header(const std::string& file) {
-  {
+std::vector<DicomFile> read_dicom_header(const std::string& file) {
+  // Headers of many frames are long: a beginning that holds no pixels is read again, sixteen times as long.
+  for (size_t most = kUsualHeader; most < kDicomBytes; most *= 16) {
     OpenedFile in(file, "a DICOM file");
-    std::string head(std::min(kUsualHeader, in.size()), '\0');
+    if (most >= in.size() || in.size() > kDicomBytes) break;
+    std::string head(most, '\0');
     head.resize(in.read(head.data(), head.size()));
-    if (head.size() < in.size() && in.size() <= kDicomBytes) {
-      try {
-        DicomFile d = parse_dicom(head, file, in.size());
-        if (d.has_pixels) return d;
-      } catch (const InputError&) {
-        // The header goes on beyond what was read.
-      }
+    try {
+      std::vector<DicomFile> frames = parse_dicom(head, file, in.size());
+      if (frames.front().has_pixels) return frames;
+    } catch (const InputError&) {
+      // The header goes on beyond what was read.
     }
   }
   return parse_dicom(read_whole_file(file, kDicomBytes), file);

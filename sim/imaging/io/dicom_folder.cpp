@@ -1,5 +1,7 @@
 #include "sim/imaging/io/dicom_folder.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
@@ -58,6 +60,17 @@ bool is_copy(const DicomSeries& s, const DicomFile& d) {
   });
 }
 
+/// Volumes of one series are told apart by what their stacks are called.
+void name_stacks(std::vector<DicomSeries>& all) {
+  for (DicomSeries& s : all) {
+    const auto is_one_of_several = [&](const DicomSeries& x) {
+      return &x != &s && x.uid == s.uid && x.patient == s.patient;
+    };
+    if (std::any_of(all.begin(), all.end(), is_one_of_several))
+      for (DicomFile& d : s.slice) d.description += ", stack " + d.stack;
+  }
+}
+
 }  // namespace
 
 bool is_dicomdir(const std::string& path) {
@@ -72,7 +85,7 @@ DicomFolder read_dicom_folder(const std::string& folder, bool with_subfolders) {
   w.root = folder;
   walk_folder(folder, 0, with_subfolders, w, out);
   std::sort(w.files.begin(), w.files.end());
-  std::set<std::string> instances;  // that were read
+  std::set<std::string> instances;  // and their frames, that were read
   for (const std::string& f : w.files) {
     if (is_dicomdir(f)) continue;
     try {
@@ -80,22 +93,26 @@ DicomFolder read_dicom_folder(const std::string& folder, bool with_subfolders) {
         ++out.other_files;
         continue;
       }
-      DicomFile d = read_dicom_header(f);
-      if (!d.has_pixels) {  // structured reports, presentation states
-        ++out.without_pixels;
-        continue;
+      for (DicomFile& d : read_dicom_header(f)) {
+        if (!d.has_pixels) {  // structured reports, presentation states
+          ++out.without_pixels;
+          break;
+        }
+        auto s = std::find_if(out.series.begin(), out.series.end(), [&](const DicomSeries& x) {
+          return x.uid == d.series && x.patient == d.patient && x.slice.front().stack == d.stack;
+        });
+        if (s == out.series.end()) s = out.series.insert(s, {d.patient, d.series, {}});
+        const std::string instance = fmt::format("{} {} {}", d.series, d.instance, d.frame);
+        if (!instances.insert(instance).second && is_copy(*s, d))
+          ++out.copies;
+        else
+          s->slice.push_back(std::move(d));
       }
-      auto s = std::find_if(out.series.begin(), out.series.end(),
-                            [&](const DicomSeries& x) { return x.uid == d.series && x.patient == d.patient; });
-      if (s == out.series.end()) s = out.series.insert(s, {d.patient, d.series, {}});
-      if (!instances.insert(d.series + " " + d.instance).second && is_copy(*s, d))
-        ++out.copies;
-      else
-        s->slice.push_back(std::move(d));
     } catch (const InputError& e) {
       out.unread.push_back(e.what());  // one bad file hides no other series
     }
   }
+  name_stacks(out.series);
   if (out.series.empty())
     throw InputError(folder, 0,
                      "holds no DICOM slices; expected files with DICM behind 128 bytes and with pixels" +

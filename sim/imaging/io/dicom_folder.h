@@ -12,6 +12,7 @@ struct DicomFolderLimits {
   static constexpr int entries = 20'000;  // files and folders
 };
 
+/// Slices of one series; of a file with several stacks of frames, those of one stack.
 struct DicomSeries {
   std::string patient, uid;
   std::vector<DicomFile> slice;  // in the order of their files' names

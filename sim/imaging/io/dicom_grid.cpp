@@ -19,10 +19,14 @@ constexpr double kWideGap = 1.8;      // times its neighbours and the median: a 
 constexpr size_t kPlacesNamed = 5;
 
 void check_slice(const DicomFile& d) {
-  const auto refuse = [&](const std::string& what) { throw InputError(d.file, 0, what); };
+  const auto refuse = [&](const std::string& what) { throw InputError(d.name(), 0, what); };
   if (d.rows < 1 || d.columns < 1) refuse("the slice has no rows or columns");
   if (d.samples != 1) refuse("a pixel has " + std::to_string(d.samples) + " numbers (colour); one was expected");
-  if (d.frames != 1) refuse("the file holds several frames; one slice per file was expected");
+  if (d.frame < 0)
+    refuse(
+        fmt::format("holds {} frames and does not say where each of them lies; expected a group for each (Enhanced "
+                    "CT), or one slice per file",
+                    d.frames));
   if (d.allocated != 8 && d.allocated != 16)
     refuse(std::to_string(d.allocated) + " bits per pixel are not read; expected 8 or 16");
   if (d.stored < 1 || d.stored > d.allocated || d.high_bit >= d.allocated ||
@@ -38,22 +42,22 @@ void check_slice(const DicomFile& d) {
       std::abs(d.across.dot(d.down)) > 0.01)
     refuse("the directions of the slice are not two unit vectors at a right angle");
   if (!std::isfinite(d.slope) || d.slope == 0) refuse("the rescale slope is 0");
-  if (!d.compressed && d.pixel_bytes < size_t(d.rows) * size_t(d.columns) * size_t(d.allocated / 8))
-    pixel_bytes_of(d);  // throws: they are cut short
+  if (!d.compressed && d.pixel_bytes < size_t(d.frame + 1) * d.frame_bytes())
+    DicomPixels().bytes_of(d);  // throws: they are cut short
   if (d.compressed) compression_of(d);
 }
 
 void check_same(const DicomFile& d, const DicomFile& a) {
   if (d.rows != a.rows || d.columns != a.columns)
-    throw InputError(d.file, 0,
-                     "has " + std::to_string(d.columns) + " x " + std::to_string(d.rows) + " pixels, " + a.file +
+    throw InputError(d.name(), 0,
+                     "has " + std::to_string(d.columns) + " x " + std::to_string(d.rows) + " pixels, " + a.name() +
                          " of the same series has " + std::to_string(a.columns) + " x " + std::to_string(a.rows) +
                          "; slices of one size were expected");
   if (std::abs(d.row_step_mm - a.row_step_mm) > 1e-3 * a.row_step_mm ||
       std::abs(d.column_step_mm - a.column_step_mm) > 1e-3 * a.column_step_mm)
-    throw InputError(d.file, 0, "has another pixel spacing than " + a.file + " of the same series");
+    throw InputError(d.name(), 0, "has another pixel spacing than " + a.name() + " of the same series");
   if ((d.across - a.across).norm() > 1e-3 || (d.down - a.down).norm() > 1e-3)
-    throw InputError(d.file, 0, "lies in another direction than " + a.file + " of the same series");
+    throw InputError(d.name(), 0, "lies in another direction than " + a.name() + " of the same series");
 }
 
 /// Gaps, one by one: what is refused, and what is said.
@@ -70,8 +74,8 @@ Gaps check_gaps(const std::vector<DicomFile>& f, const SlicePlaces& p, bool brid
   for (size_t i = 0; i < n; ++i) {
     if (p.gap[i] < 1e-3)
       throw InputError(
-          f[i + 1].file, 0,
-          "lies where " + f[i].file + " lies; slices at different places were expected (two series mixed?)");
+          f[i + 1].name(), 0,
+          "lies where " + f[i].name() + " lies; slices at different places were expected (two series mixed?)");
     out.even += std::abs(p.gap[i] - p.median_mm) <= kEven * p.median_mm;
   }
   const bool nearly_even = 10 * out.even >= 8 * n;
@@ -80,15 +84,15 @@ Gaps check_gaps(const std::vector<DicomFile>& f, const SlicePlaces& p, bool brid
     const double k = p.gap[i] / p.median_mm, whole = std::round(k);
     const bool lacks = nearly_even && whole >= 2 && std::abs(k - whole) < 0.05;
     if (lacks && !bridge_missing)
-      throw InputError(f[i].file, 0,
+      throw InputError(f[i].name(), 0,
                        std::to_string(int(whole) - 1) + (whole < 2.5 ? " slice is" : " slices are") +
-                           " missing between it and " + f[i + 1].file + ": the gap is " + std::to_string(p.gap[i]) +
+                           " missing between it and " + f[i + 1].name() + ": the gap is " + std::to_string(p.gap[i]) +
                            " mm, elsewhere " + std::to_string(p.median_mm) +
                            " mm; expected all slices (limberg fit --bridge-missing interpolates them)");
     if (p.gap[i] > kWidestGap_mm && std::abs(p.gap[i] - p.median_mm) > kEven * p.median_mm)
       throw InputError(
-          f[i].file, 0,
-          "the gap to " + f[i + 1].file + " is " + std::to_string(p.gap[i]) + " mm; at most 10 mm are bridged");
+          f[i].name(), 0,
+          "the gap to " + f[i + 1].name() + " is " + std::to_string(p.gap[i]) + " mm; at most 10 mm are bridged");
     if (lacks) {
       out.missing += int(whole) - 1, out.lacking.push_back(i);
     } else if (k > kWideGap && (i == 0 || p.gap[i] > kWideGap * p.gap[i - 1]) &&
@@ -150,7 +154,7 @@ SeriesGrid grid_of(DicomSeries& s, bool bridge_missing) {
   std::vector<DicomFile>& f = s.slice;
   for (const DicomFile& d : f) check_slice(d);
   for (const DicomFile& d : f) check_same(d, f.front());
-  if (f.size() < 2) throw InputError(f.front().file, 0, "the series has only this slice; at least 2 were expected");
+  if (f.size() < 2) throw InputError(f.front().name(), 0, "the series has only this slice; at least 2 were expected");
   SeriesGrid g;
   g.at = places_of(f);
   const SlicePlaces& p = g.at;

@@ -1,5 +1,7 @@
 #include "sim/imaging/io/dicom_pixels.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "sim/base/error.h"
@@ -24,12 +26,14 @@ constexpr KnownSyntax kCompressed[] = {
     {"1.2.840.10008.1.2.4.80", "JPEG-LS lossless", false},   {"1.2.840.10008.1.2.4.81", "JPEG-LS near lossless", true},
     {"1.2.840.10008.1.2.4.90", "JPEG 2000 lossless", false}, {"1.2.840.10008.1.2.4.91", "JPEG 2000", true}};
 constexpr const char* kRunLength = "1.2.840.10008.1.2.5";
+constexpr size_t kMostUnpacked = size_t(2) << 30;  // of one file
 
 [[noreturn]] void packed_badly(const DicomFile& d, const std::string& what) {
-  throw InputError(d.file, 0, "its run lengths are damaged: " + what);
+  throw InputError(d.name(), 0, "its run lengths are damaged: " + what);
 }
 
-/// The fragments of a frame, one behind the other, without the table of offsets (PS3.5 A.4).
+/// What was packed of a slice: the fragments of the only frame, one behind the other, or one fragment of a frame among
+/// several (PS3.5 A.4: run lengths have one a frame). Before them lies the table of offsets.
 std::string fragments(const DicomFile& d, std::string_view s) {
   const auto u32 = [&](size_t i) {
     uint32_t v = 0;
@@ -37,21 +41,23 @@ std::string fragments(const DicomFile& d, std::string_view s) {
     return v;
   };
   std::string out;
-  bool table = true;
+  int32_t frame = -1;
   for (size_t at = d.pixels_at; at + 8 <= s.size();) {
     const uint32_t tag = u32(at), length = u32(at + 4);
     at += 8;
-    if (tag == 0xe0ddfffe) return out;
+    if (tag == 0xe0ddfffe && d.frames == 1) return out;
+    if (tag == 0xe0ddfffe) packed_badly(d, "there are fewer of them than frames");
     if (tag != 0xe000fffe || length > s.size() - at) break;
-    if (!table) out += s.substr(at, length);
-    table = false, at += length;
+    if (d.frames > 1 && frame == d.frame) return std::string(s.substr(at, length));
+    if (d.frames == 1 && frame >= 0) out += s.substr(at, length);
+    ++frame, at += length;
   }
   packed_badly(d, "a fragment is cut short, or the last one has no end");
 }
 
 /// One plane of bytes per byte of a number, the highest first; each by PackBits (PS3.5 annex G).
-std::string unpacked_run_lengths(const DicomFile& d, size_t numbers) {
-  const std::string all = read_whole_file(d.file, kDicomBytes), s = fragments(d, all);
+std::string unpacked_run_lengths(const DicomFile& d, const std::string& s) {
+  const size_t numbers = size_t(d.rows) * size_t(d.columns);
   const size_t planes = size_t(d.allocated) / 8;
   const auto u32 = [&](size_t i) {
     uint32_t v = 0;
@@ -99,30 +105,45 @@ Compression compression_of(const DicomFile& d) {
 
 std::string why_no_gdcm() { return gdcm_part().why; }
 
-std::string pixel_bytes_of(const DicomFile& d) {
-  const size_t numbers = size_t(d.rows) * size_t(d.columns), bytes = numbers * size_t(d.allocated / 8);
+std::string DicomPixels::bytes_of(const DicomFile& d) {
+  const size_t bytes = d.frame_bytes();
   if (!d.compressed) {
-    std::string all = read_whole_file(d.file, kDicomBytes);
-    all.erase(0, std::min(d.pixels_at, all.size()));
-    if (std::min(all.size(), d.pixel_bytes) < bytes)
-      throw InputError(d.file, 0,
-                       "the pixels are cut short: " + std::to_string(std::min(all.size(), d.pixel_bytes)) + " bytes; " +
-                           std::to_string(bytes) + " were expected");
-    return all;
+    OpenedFile in(d.file, "a DICOM file");
+    std::string out(std::min(bytes, in.size()), '\0');
+    const size_t before = size_t(d.frame) * bytes, left = d.pixel_bytes > before ? d.pixel_bytes - before : 0;
+    in.go_to(d.pixels_at + before);
+    out.resize(std::min(left, in.read(out.data(), out.size())));
+    if (out.size() < bytes)
+      throw InputError(d.name(), 0,
+                       "the pixels are cut short: " + std::to_string(out.size()) + " bytes; " + std::to_string(bytes) +
+                           " were expected");
+    return out;
   }
   const Compression c = compression_of(d);
-  if (c.run_length) return unpacked_run_lengths(d, numbers);
-  const LoadedPart part = gdcm_part();
-  if (!part.entry)
-    throw InputError(d.file, 0,
-                     "its pixels are compressed (" + c.name +
-                         "); expected plain ones, or a build with GDCM (Debian: libgdcm-dev, -DLIMBERG_GDCM=ON); a "
-                         "converter such as gdcmconv --raw makes them plain. " +
-                         part.why);
-  std::string out, why;
-  reinterpret_cast<UnpackPixels>(part.entry)(d.file, bytes, out, why);
-  if (!why.empty()) throw InputError(d.file, 0, why);
-  return out;
+  const bool kept = file_ == d.file;
+  if (!kept) file_.clear(), kept_.clear();
+  if (c.run_length) {
+    if (!kept) kept_ = read_whole_file(d.file, kDicomBytes), file_ = d.file;
+    return unpacked_run_lengths(d, fragments(d, kept_));
+  }
+  if (!kept) {
+    const LoadedPart part = gdcm_part();
+    if (!part.entry)
+      throw InputError(d.file, 0,
+                       "its pixels are compressed (" + c.name +
+                           "); expected plain ones, or a build with GDCM (Debian: libgdcm-dev, -DLIMBERG_GDCM=ON); a "
+                           "converter such as gdcmconv --raw makes them plain. " +
+                           part.why);
+    if (bytes * size_t(d.frames) > kMostUnpacked)
+      throw InputError(d.file, 0,
+                       fmt::format("its {} frames come to {} MB; expected at most {}", d.frames,
+                                   bytes * size_t(d.frames) >> 20, kMostUnpacked >> 20));
+    std::string why;
+    reinterpret_cast<UnpackPixels>(part.entry)(d.file, bytes * size_t(d.frames), kept_, why);
+    if (!why.empty()) throw InputError(d.file, 0, why);
+    file_ = d.file;
+  }
+  return kept_.substr(size_t(d.frame) * bytes, bytes);
 }
 
 }  // namespace limberg::imaging

@@ -17,8 +17,16 @@ Compression compression_of(const DicomFile& d);
 /// Why compressed pixels other than run lengths cannot be read; empty: they can.
 std::string why_no_gdcm();
 
-/// rows x columns numbers of allocated / 8 bytes each, lowest byte first. InputError: cut short, damaged, a compression
-/// that is not read.
-std::string pixel_bytes_of(const DicomFile& d);
+/// Reads slices one after the other. Of a compressed file of several frames, what it holds is kept for the next of its
+/// frames: only the last file.
+class DicomPixels {
+ public:
+  /// rows x columns numbers of allocated / 8 bytes each, lowest byte first. InputError: cut short, damaged, a
+  /// compression that is not read.
+  std::string bytes_of(const DicomFile& d);
+
+ private:
+  std::string file_, kept_;  // as packed (run lengths), or plain
+};
 
 }  // namespace limberg::imaging

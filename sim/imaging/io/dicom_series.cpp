@@ -17,9 +17,9 @@ namespace {
 constexpr double kAirBelow = -1500, kAirHU = -1000;
 
 /// Scaled; NaN: padding, or below what air can have. `no_tissue` counts these.
-std::vector<float> pixels(const DicomFile& d, int64_t& no_tissue) {
+std::vector<float> pixels(const DicomFile& d, DicomPixels& reader, int64_t& no_tissue) {
   const size_t n = size_t(d.rows) * size_t(d.columns);
-  const std::string data = pixel_bytes_of(d);
+  const std::string data = reader.bytes_of(d);
   std::vector<float> out(n);
   const int shift = d.high_bit >= 0 ? d.high_bit + 1 - d.stored : 0;
   const uint32_t mask = d.stored >= 32 ? ~0u : (1u << d.stored) - 1;
@@ -36,7 +36,7 @@ std::vector<float> pixels(const DicomFile& d, int64_t& no_tissue) {
     const bool padding = d.has_padding && v >= std::min(pad, pad_high) && v <= std::max(pad, pad_high);
     const double x = d.slope * v + d.intercept;
     if (!std::isfinite(x) || std::abs(x) > 1e9)
-      throw InputError(d.file, 0, "a value is out of range once it is scaled");
+      throw InputError(d.name(), 0, "a value is out of range once it is scaled");
     const bool none = padding || x < kAirBelow;
     no_tissue += none;
     out[i] = none ? NAN : float(x);
@@ -81,8 +81,9 @@ LoadedVolume volume_of(DicomSeries& s, bool bridge_missing) {
   for (size_t k = 0; k < 3; ++k) v.size[k] = int32_t(g.size[k]);
   const size_t plane = size_t(g.size[0]) * size_t(g.size[1]);
   int64_t no_tissue = 0, read = 0;
+  DicomPixels reader;
   const auto on_grid = [&](size_t i) {
-    std::vector<float> in = pixels(f[i], no_tissue);
+    std::vector<float> in = pixels(f[i], reader, no_tissue);
     read += int64_t(in.size());
     return p.tilted ? sheared(in, a, p.drift_mm[i] - g.first_mm, g.size) : in;
   };

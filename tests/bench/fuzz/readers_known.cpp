@@ -93,6 +93,15 @@ std::vector<Reader> readers() {
     }
     series.sound.push_back(std::move(f));
   }
+  for (int form = 0; form < 3; ++form) {  // all in one file: with lengths, without and implicit, run length encoded
+    std::vector<Slice> frames(4);
+    for (int k = 0; k < 4; ++k) {
+      Slice& s = frames[size_t(k)];
+      s.explicit_vr = form != 1, s.run_length = form == 2, s.at = {1, 0, 3. * k}, s.slope = 2, s.intercept = -24;
+      s.value = [k](int i, int j) { return int16_t(i + 10 * j + 100 * k); };
+    }
+    series.sound.push_back(one("s0.dcm", enhanced_dicom(frames, form != 1)));
+  }
   out.push_back(std::move(series));
   out.push_back(
       {"PLY",

@@ -84,77 +84,155 @@ std::string meta_image(bool packed) {
          (packed ? "True" : "False") + "\nElementDataFile = LOCAL\n" + (packed ? deflated(voxels(), false) : voxels());
 }
 
-std::string dicom(const Slice& s) {
-  std::string out(128, 0);
-  out += "DICM";
-  const auto element = [&](uint32_t tag, const char* vr, std::string v, bool with_vr) {
-    if (v.size() % 2) v += vr[0] == 'U' && vr[1] == 'I' ? '\0' : ' ';
-    for (const uint32_t half : {tag >> 16, tag & 0xffff}) out += char(half & 255), out += char(half >> 8);
-    uint32_t n = uint32_t(v.size());
-    const bool wide = std::string(vr) == "OW" || std::string(vr) == "OB";
-    if (with_vr) {
-      out += vr;
-      if (wide) out += std::string(2, 0);
-    }
-    for (int b = 0; b < (with_vr && !wide ? 2 : 4); ++b, n >>= 8) out += char(n & 255);
-    out += v;
-  };
-  const auto number = [](int v) { return std::string{char(v & 255), char(v >> 8)}; };
-  const auto text = [](std::initializer_list<double> x) {
-    std::string t;
-    for (const double v : x) t += (t.empty() ? "" : "\\") + std::to_string(v);
-    return t;
-  };
-  const std::string plain = s.run_length    ? "1.2.840.10008.1.2.5"
-                            : s.explicit_vr ? "1.2.840.10008.1.2.1"
-                                            : "1.2.840.10008.1.2";
-  element(0x00020010, "UI", s.syntax.empty() ? plain : s.syntax, true);
-  const bool e = s.explicit_vr;
-  if (!s.image_type.empty()) element(0x00080008, "CS", s.image_type, e);
-  element(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.2", e),
-      element(0x00080018, "UI", s.series + ".7." + std::to_string(int(s.at.z() * 10) + 5000), e);
-  element(0x00080060, "CS", s.modality, e);
-  element(0x0008103e, "LO", s.description, e);
-  if (s.sequence) {  // of undefined length, an item of undefined length with an element in it
-    out += std::string("\x08\x00\x12\x21", 4) + (e ? std::string("SQ\0\0", 4) : "") + std::string(4, char(255));
-    out += std::string("\xfe\xff\x00\xe0", 4) + std::string(4, char(255));
-    element(0x00081150, "UI", "1.2", e);
-    out += std::string("\xfe\xff\x0d\xe0\0\0\0\0", 8) + std::string("\xfe\xff\xdd\xe0\0\0\0\0", 8);
+namespace {
+
+std::string number(int v) { return {char(v & 255), char(v >> 8)}; }
+std::string text(std::initializer_list<double> x) {
+  std::string t;
+  for (const double v : x) t += (t.empty() ? "" : "\\") + std::to_string(v);
+  return t;
+}
+
+/// Elements of a DICOM file, one behind the other.
+struct Elements {
+  bool explicit_vr = true;
+  std::string bytes;
+
+  void head(uint32_t tag, const char* vr, uint32_t length) {
+    for (const uint32_t half : {tag >> 16, tag & 0xffff}) bytes += char(half & 255), bytes += char(half >> 8);
+    const std::string type = vr;
+    const bool wide = type == "OW" || type == "OB" || type == "SQ";
+    const bool typed = explicit_vr && tag >> 16 != 0xfffe;
+    if (typed) bytes += type + (wide ? std::string(2, 0) : "");
+    for (int b = 0; b < (typed && !wide ? 2 : 4); ++b, length >>= 8) bytes += char(length & 255);
   }
-  if (!s.patient.empty()) element(0x00100020, "LO", s.patient, e);
-  if (!s.body_part.empty()) element(0x00180015, "CS", s.body_part, e);
-  if (!s.kernel.empty()) element(0x00181210, "SH", s.kernel, e);
-  element(0x0020000e, "UI", s.series, e);
-  element(0x00200032, "DS", text({s.at.x(), s.at.y(), s.at.z()}), e);
-  element(0x00200037, "DS", text({s.across.x(), s.across.y(), s.across.z(), s.down.x(), s.down.y(), s.down.z()}), e);
-  element(0x00280002, "US", number(1), e), element(0x00280004, "CS", "MONOCHROME2", e);
-  if (s.frames > 1) element(0x00280008, "IS", std::to_string(s.frames), e);
-  element(0x00280010, "US", number(s.rows), e), element(0x00280011, "US", number(s.columns), e);
-  element(0x00280030, "DS", text({s.spacing, s.spacing}), e);
-  element(0x00280100, "US", number(16), e), element(0x00280101, "US", number(16), e),
-      element(0x00280102, "US", number(15), e), element(0x00280103, "US", number(1), e);
-  if (s.padding != 0) element(0x00280120, "SS", number(s.padding), e);
-  element(0x00281052, "DS", text({s.intercept}), e), element(0x00281053, "DS", text({s.slope}), e);
+  void element(uint32_t tag, const char* vr, std::string v) {
+    if (v.size() % 2) v += vr[0] == 'U' && vr[1] == 'I' ? '\0' : ' ';
+    head(tag, vr, uint32_t(v.size()));
+    bytes += v;
+  }
+  /// A sequence with these items, with their lengths or without.
+  void sequence(uint32_t tag, const std::vector<Elements>& items, bool with_lengths) {
+    Elements all;
+    for (const Elements& item : items) {
+      all.head(0xfffee000, "", with_lengths ? uint32_t(item.bytes.size()) : ~0u);
+      all.bytes += item.bytes;
+      if (!with_lengths) all.head(0xfffee00d, "", 0);
+    }
+    if (!with_lengths) all.head(0xfffee0dd, "", 0);
+    head(tag, "SQ", with_lengths ? uint32_t(all.bytes.size()) : ~0u);
+    bytes += all.bytes;
+  }
+};
+
+std::string plain_pixels(const Slice& s) {
   std::string pixels;
   for (int j = 0; j < s.rows; ++j)
     for (int i = 0; i < s.columns; ++i) pixels += number(uint16_t(s.value(i, j)));
-  if (!s.run_length) {
-    element(0x7fe00010, "OW", pixels, e);
-    return out;
-  }
-  // An empty table of offsets, then one fragment: a header of 64 bytes, the high bytes, the low bytes.
+  return pixels;
+}
+/// A header of 64 bytes, the high bytes, the low bytes.
+std::string run_length_pixels(const Slice& s) {
+  const std::string pixels = plain_pixels(s);
   std::string plane[2];
   for (size_t i = 0; i < pixels.size(); ++i) plane[1 - i % 2] += pixels[i];
   for (std::string& p : plane) p = run_lengths(p);
   std::string header(64, 0);
   put<uint32_t>(header, 0, 2, false), put<uint32_t>(header, 4, 64, false),
       put<uint32_t>(header, 8, uint32_t(64 + plane[0].size()), false);
-  const std::string fragment = header + plane[0] + plane[1];
-  std::string items("\xfe\xff\x00\xe0\0\0\0\0\xfe\xff\x00\xe0\0\0\0\0", 16);
-  put(items, 12, uint32_t(fragment.size()), false);
-  out += std::string("\xe0\x7f\x10\x00OB\0\0\xff\xff\xff\xff", 12) + items + fragment +
-         std::string("\xfe\xff\xdd\xe0\0\0\0\0", 8);
-  return out;
+  return header + plane[0] + plane[1];
+}
+
+/// From DICM to the pixels, and these: of one slice, or of several frames with these groups.
+std::string dicom_of(const Slice& s, const std::vector<Slice>& frames, const Elements& groups) {
+  Elements meta;
+  meta.bytes = std::string(128, 0) + "DICM";
+  const std::string plain = s.run_length    ? "1.2.840.10008.1.2.5"
+                            : s.explicit_vr ? "1.2.840.10008.1.2.1"
+                                            : "1.2.840.10008.1.2";
+  meta.element(0x00020010, "UI", s.syntax.empty() ? plain : s.syntax);
+  Elements e{s.explicit_vr, meta.bytes};
+  const bool grouped = !groups.bytes.empty();
+  if (!s.image_type.empty()) e.element(0x00080008, "CS", s.image_type);
+  e.element(0x00080016, "UI", std::string("1.2.840.10008.5.1.4.1.1.2") + (grouped ? ".1" : ""));
+  e.element(0x00080018, "UI", s.series + ".7." + std::to_string(int(s.at.z() * 10) + 5000));
+  e.element(0x00080060, "CS", s.modality);
+  e.element(0x0008103e, "LO", s.description);
+  if (s.sequence) {
+    Elements item{s.explicit_vr, ""};
+    item.element(0x00081150, "UI", "1.2");
+    e.sequence(0x00082112, {item}, false);
+  }
+  if (!s.patient.empty()) e.element(0x00100020, "LO", s.patient);
+  if (!s.body_part.empty()) e.element(0x00180015, "CS", s.body_part);
+  if (!s.kernel.empty()) e.element(0x00181210, "SH", s.kernel);
+  e.element(0x0020000e, "UI", s.series);
+  if (!grouped) {
+    e.element(0x00200032, "DS", text({s.at.x(), s.at.y(), s.at.z()}));
+    e.element(0x00200037, "DS", text({s.across.x(), s.across.y(), s.across.z(), s.down.x(), s.down.y(), s.down.z()}));
+  }
+  e.element(0x00280002, "US", number(1)), e.element(0x00280004, "CS", "MONOCHROME2");
+  if (grouped)
+    e.element(0x00280008, "IS", std::to_string(frames.size()));
+  else if (s.frames > 1)
+    e.element(0x00280008, "IS", std::to_string(s.frames));
+  e.element(0x00280010, "US", number(s.rows)), e.element(0x00280011, "US", number(s.columns));
+  if (!grouped) e.element(0x00280030, "DS", text({s.spacing, s.spacing}));
+  e.element(0x00280100, "US", number(16)), e.element(0x00280101, "US", number(16));
+  e.element(0x00280102, "US", number(15)), e.element(0x00280103, "US", number(1));
+  if (s.padding != 0) e.element(0x00280120, "SS", number(s.padding));
+  if (!grouped) e.element(0x00281052, "DS", text({s.intercept})), e.element(0x00281053, "DS", text({s.slope}));
+  e.bytes += groups.bytes;
+  std::string pixels;
+  if (!s.run_length) {
+    for (const Slice& f : frames) pixels += plain_pixels(f);
+    e.element(0x7fe00010, "OW", pixels);
+    return e.bytes;
+  }
+  // An empty table of offsets, then one fragment for each frame.
+  std::vector<Elements> fragments(1);
+  for (const Slice& f : frames) fragments.push_back({false, run_length_pixels(f)});
+  Elements packed;
+  for (const Elements& f : fragments) packed.element(0xfffee000, "", f.bytes);
+  packed.head(0xfffee0dd, "", 0);
+  e.head(0x7fe00010, "OB", ~0u);
+  return e.bytes + packed.bytes;
+}
+
+}  // namespace
+
+std::string dicom(const Slice& s) { return dicom_of(s, {s}, {}); }
+
+std::string enhanced_dicom(const std::vector<Slice>& frames, bool with_lengths) {
+  const Slice& s = frames.front();
+  const auto group = [&](Elements& of, uint32_t tag, const Elements& holds) {
+    of.sequence(tag, {holds}, with_lengths);
+  };
+  const auto plane = [](const Slice& f) {
+    Elements e{f.explicit_vr, ""};
+    e.element(0x00200032, "DS", text({f.at.x(), f.at.y(), f.at.z()}));
+    return e;
+  };
+  Elements direction{s.explicit_vr, ""}, spacing = direction, shared = direction, groups = direction;
+  direction.element(0x00200037, "DS",
+                    text({s.across.x(), s.across.y(), s.across.z(), s.down.x(), s.down.y(), s.down.z()}));
+  spacing.element(0x00280030, "DS", text({s.spacing, s.spacing}));
+  group(shared, 0x00209116, direction), group(shared, 0x00289110, spacing);
+  std::vector<Elements> per_frame;
+  for (const Slice& f : frames) {
+    Elements item{s.explicit_vr, ""}, values = item, content = item;
+    Slice elsewhere = f;
+    elsewhere.at += Vec3(1, 2, 3);
+    content.element(0x00209056, "SH", f.stack);
+    group(item, 0x00209111, content), group(item, 0x00209113, plane(f));
+    group(item, 0x00211001, plane(elsewhere));  // a maker's own: another place
+    values.element(0x00281052, "DS", text({f.intercept})), values.element(0x00281053, "DS", text({f.slope}));
+    group(item, 0x00289145, values);
+    per_frame.push_back(item);
+  }
+  groups.sequence(0x52009229, {shared}, with_lengths);
+  groups.sequence(0x52009230, per_frame, with_lengths);
+  return dicom_of(s, frames, groups);
 }
 
 std::string obj_file() {

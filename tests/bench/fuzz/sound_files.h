@@ -44,8 +44,12 @@ struct Slice {
   Vec3 across = Vec3::UnitX(), down = Vec3::UnitY();
   int padding = 0, frames = 1;  // 0: none
   bool run_length = false;      // pixels in fragments, run length encoded (PS3.5 annex G)
+  std::string stack = "1";      // of a frame
 };
 std::string dicom(const Slice& slice);
+/// Enhanced CT: all in one file, each with a group of its own; what is of the whole file is the first slice's. Sequences
+/// are with their lengths or without.
+std::string enhanced_dicom(const std::vector<Slice>& frames, bool with_lengths);
 
 /// A tetrahedron of volume 1: corners (0 0 0), (1 0 0), (0 2 0), (0 0 3). STL and PLY as text or binary.
 std::string obj_file();

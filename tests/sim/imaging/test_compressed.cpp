@@ -103,6 +103,25 @@ TEST_F(Compressed, WhatLosesNothingGivesTheSameNumbers) {
   }
 }
 
+TEST_F(Compressed, FramesOfOneFileAreTheSame) {
+  if (!has_gdcmconv()) GTEST_SKIP() << "gdcmconv is not installed (Debian: libgdcm-tools)";
+  std::vector<fuzz::Slice> frames(6);
+  for (int k = 0; k < 6; ++k) {
+    fuzz::Slice& s = frames[size_t(k)];
+    s.sequence = false, s.columns = 24, s.rows = 20, s.at.z() = 2 * k, s.intercept = -24;
+    s.value = [k](int i, int j) { return int16_t(i * j + 10 * j + 100 * k - 300); };
+  }
+  fs::create_directories(dir_ / "whole");
+  std::ofstream(dir_ / "whole/all", std::ios::binary) << enhanced_dicom(frames, true);
+  const Volume whole = load_volume(dir_ / "whole");
+  EXPECT_EQ(whole.value[whole.index(3, 2, 4)], 6 + 20 + 400 - 300 - 24);
+  for (const Way& w : kWays) {
+    fs::create_directories(dir_ / w.option);
+    ASSERT_TRUE(pack(w.option, dir_ / "whole/all", dir_ / w.option / "all")) << w.option;
+    expect_same(w, dir_ / w.option, whole);
+  }
+}
+
 TEST_F(Compressed, DamagedOnesAreRefusedInWords) {
   // GDCM 3.0.21 ends its process on one of ten such files: this one must go on.
   if (const std::string why = imaging::why_no_gdcm(); !why.empty()) GTEST_SKIP() << why;

@@ -272,7 +272,7 @@ TEST_F(Series, AListSaysWhatEachSeriesIs) {
   EXPECT_EQ(a.tilt_deg, 0);
   EXPECT_TRUE(a.axial);
   EXPECT_EQ(a.refused, "");
-  EXPECT_TRUE(has(list[1].refused, "several frames")) << list[1].refused;
+  EXPECT_TRUE(has(list[1].refused, "holds 30 frames and does not say where each of them lies")) << list[1].refused;
   EXPECT_FALSE(list[2].axial);
   EXPECT_TRUE(has(list[2].refused, "another direction")) << list[2].refused;
   const SeriesChoice c = choose_series(list);
@@ -325,6 +325,88 @@ TEST(SeriesChoice, WhatWillNotDoIsRejectedWithItsReason) {
   EXPECT_EQ(none.index, -1);
   EXPECT_TRUE(has(none.why, "localizer")) << none.why;
   EXPECT_EQ(choose_series({}).index, -1);
+}
+
+/// Slices of a tilted, unevenly spaced series, each with an intercept of its own, in another order than they lie.
+std::vector<Slice> frames_of_a_head(bool explicit_vr, bool run_length) {
+  std::vector<Slice> out;
+  for (const int k : {3, 0, 1, 2, 4}) {
+    Slice s;
+    s.explicit_vr = explicit_vr, s.run_length = run_length, s.series = "1.2.77", s.stack = "1";
+    s.at = {5, .5 * k, 2. * k + (k > 2 ? .5 : 0)}, s.slope = 2, s.intercept = -24 - k;
+    s.across = {0, 1, 0}, s.down = {0, 0, 1}, s.at = {s.at.z(), s.at.y(), 5}, s.kernel = "H30s";
+    s.value = [k](int i, int j) { return int16_t(i + 10 * j + 100 * k); };
+    out.push_back(s);
+  }
+  return out;
+}
+
+TEST_F(Series, FramesOfOneFileAreReadAsSlicesInFiles) {
+  for (const bool explicit_vr : {true, false})
+    for (const bool run_length : {false, true})
+      for (const bool with_lengths : {false, true}) {
+        if (run_length && !explicit_vr) continue;  // (compressed files are explicit: PS3.5 A.4)
+        const std::vector<Slice> frames = frames_of_a_head(explicit_vr, run_length);
+        const std::string name =
+            std::to_string(explicit_vr) + std::to_string(run_length) + std::to_string(with_lengths);
+        for (size_t k = 0; k < frames.size(); ++k) write(name + "/single/s" + std::to_string(k), dicom(frames[k]));
+        write(name + "/multi/all.dcm", enhanced_dicom(frames, with_lengths));
+        const LoadedVolume single = load(name + "/single"), multi = load(name + "/multi");
+        EXPECT_EQ(multi.volume.size, single.volume.size) << name;
+        EXPECT_TRUE(multi.volume.value == single.volume.value) << name;
+        EXPECT_EQ(multi.volume.origin_mm, single.volume.origin_mm) << name;
+        EXPECT_EQ(multi.volume.step_mm, single.volume.step_mm) << name;
+        EXPECT_EQ(multi.notes, single.notes) << name;
+        const std::vector<SeriesAbout> list = list_series(dir_ / name / "multi");
+        ASSERT_EQ(list.size(), 1u);
+        EXPECT_EQ(list[0].slices, 5);
+        EXPECT_EQ(list[0].refused, "");
+      }
+}
+
+TEST_F(Series, StacksOfOneFileAreToldApart) {
+  std::vector<Slice> frames = frames_of_a_head(true, false);
+  for (int k = 0; k < 12; ++k) {
+    Slice s;
+    s.stack = "second", s.at.x() = 3 * k;
+    frames.push_back(s);
+  }
+  write("d/all.dcm", enhanced_dicom(frames, true));
+  const std::vector<SeriesAbout> list = list_series(dir_ / "d");
+  ASSERT_EQ(list.size(), 2u);
+  EXPECT_TRUE(has(line_of(list[0]), "stack 1\", 5 slices")) << line_of(list[0]);
+  EXPECT_TRUE(has(line_of(list[1]), "stack second\", 12 slices")) << line_of(list[1]);
+  EXPECT_TRUE(has(refused("d"), "holds 2 series")) << refused("d");
+  EXPECT_EQ(load("d", false, "second").volume.size[2], 12);
+}
+
+TEST_F(Series, FramesThatCannotBeAreRefusedByName) {
+  const auto said = [&](const std::string& bytes) { return write("f/all.dcm", bytes), refused("f"); };
+  std::vector<Slice> frames = frames_of_a_head(true, false);
+  const std::string good = enhanced_dicom(frames, true);
+  EXPECT_EQ(said(good), "accepted");
+  // The last frame's pixels are cut short.
+  EXPECT_TRUE(has(said(good.substr(0, good.size() - 8)), "all.dcm, frame 5: the pixels are cut short"));
+  // Another number of frames than of groups.
+  for (const auto& [n, words] : {std::pair("4 ", "groups that describe more"), {"6 ", "groups that describe fewer"}}) {
+    std::string bad = good;
+    bad.replace(bad.find("IS\2\0"
+                         "5 ",
+                         0, 6) +
+                    4,
+                2, n);
+    EXPECT_TRUE(has(said(bad), words)) << said(bad);
+  }
+  // Two at one place, and one in another direction.
+  frames[2].at = frames[4].at;
+  EXPECT_TRUE(has(said(enhanced_dicom(frames, true)), "frame 5: lies where")) << said(enhanced_dicom(frames, true));
+  EXPECT_TRUE(has(said(enhanced_dicom(frames, true)), "all.dcm, frame 3 lies")) << said(enhanced_dicom(frames, true));
+  // Fewer packed frames than there are.
+  frames = frames_of_a_head(true, true);
+  std::string packed = enhanced_dicom(frames, true);
+  packed.erase(packed.rfind(std::string("\xfe\xff\x00\xe0", 4)));
+  packed += std::string("\xfe\xff\xdd\xe0\0\0\0\0", 8);
+  EXPECT_TRUE(has(said(packed), "all.dcm, frame 5: its run lengths are damaged: there are fewer")) << said(packed);
 }
 
 TEST_F(Series, TwoPatientsInOneFolderAreToldApart) {

@@ -1,7 +1,7 @@
 // The part limberg-gdcm.so: compressed pixels by GDCM.
 //
 // GDCM and the libraries below it end the whole program on some damaged files (28 of 250 with bytes of JPEG 2000
-// changed at random, by an assertion; GDCM 3.0.21, 2026-11-27). So each slice is unpacked in a child process, which may
+// changed at random, by an assertion; GDCM 3.0.21, 2026-11-27). So each file is unpacked in a child process, which may
 // end as it likes, with limits on its time and memory; what it made comes back in memory that both share.
 #include <fcntl.h>
 #include <gdcmImage.h>
@@ -25,8 +25,8 @@
 
 namespace {
 
-constexpr rlim_t kSeconds = 20;              // of CPU time, for one slice
-constexpr rlim_t kMemory = rlim_t(1) << 30;  // beside what the program has, and ten times the slice
+constexpr rlim_t kSeconds = 20;              // of CPU time, and one more for each MB of pixels
+constexpr rlim_t kMemory = rlim_t(1) << 30;  // beside what the program has, and ten times the pixels
 
 constexpr size_t kReason = 512;
 
@@ -54,8 +54,10 @@ void limit(int what, rlim_t most) {
   setrlimit(decltype(RLIMIT_CPU)(what), &l);
 }
 
+rlim_t seconds(size_t bytes) { return kSeconds + (bytes >> 20); }
+
 void limit_child(size_t bytes) {
-  limit(RLIMIT_CORE, 0), limit(RLIMIT_CPU, kSeconds);
+  limit(RLIMIT_CORE, 0), limit(RLIMIT_CPU, seconds(bytes));
 #ifndef LIMBERG_SANITIZED
   unsigned long pages = 0;
   if (FILE* f = std::fopen("/proc/self/statm", "r")) {
@@ -98,7 +100,7 @@ extern "C" __attribute__((visibility("default"))) void limberg_gdcm_pixels(const
     why = std::string("no child process can be started to unpack its compressed pixels (") + std::strerror(errno) + ")";
   else if (shared[0] != 1)
     why = WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL)
-              ? "its compressed pixels take GDCM more than " + std::to_string(kSeconds) +
+              ? "its compressed pixels take GDCM more than " + std::to_string(seconds(bytes)) +
                     " s or too much memory; the file may be damaged"
               : std::string("GDCM fails on its compressed pixels; the file is damaged");
   else if (shared[1] != 0)
