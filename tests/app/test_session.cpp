@@ -693,8 +693,8 @@ TEST(AsRecorded, WhatALiveHandHadToBearIsToldByItsReplay) {
   ASSERT_GT(then.solver.skipped, 50u);
   const SessionFigures now = again(rec, rec.schedule);
   const auto skipped = double(then.solver.skipped);
-  // Periods are counted from the ticks of its steps, which stand still once the hand has left: the step that it leaves in
-  // and the one that settles are not told.
+  // Periods are counted from the ticks of its steps, which stand still once the hand has left: what the step that it
+  // leaves in and the one that settles take is not told.
   EXPECT_LE(double(now.solver.skipped), skipped);
   EXPECT_GE(double(now.solver.skipped), skipped - 2 * std::ceil(double(then.solver.work.max_ns()) / 16e6));
   EXPECT_GT(double(now.device.age.percentile_ns(0.99)) * 1e-6, 75);

@@ -47,8 +47,8 @@ struct Slice {
   std::string stack = "1";      // of a frame
 };
 std::string dicom(const Slice& slice);
-/// Enhanced CT: all in one file, each with a group of its own; what is of the whole file is the first slice's. Sequences
-/// are with their lengths or without.
+/// Enhanced CT: all in one file, each with a group of its own; what is of the whole file is the first slice's.
+/// Sequences are with their lengths or without.
 std::string enhanced_dicom(const std::vector<Slice>& frames, bool with_lengths);
 
 /// A tetrahedron of volume 1: corners (0 0 0), (1 0 0), (0 2 0), (0 0 3). STL and PLY as text or binary.
