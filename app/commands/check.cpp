@@ -10,6 +10,7 @@
 #include "app/assembly/bundle.h"
 #include "app/assembly/lesson.h"
 #include "app/assembly/repro.h"
+#include "app/commands/length_unit.h"
 #include "app/commands/session_command.h"
 #include "app/head/build.h"
 #include "app/program/shipped.h"
@@ -476,10 +477,19 @@ int check_recording(const std::string& file, bool with_plan, int workers) {
   return kGoalMissed;
 }
 
+/// A surface that is smaller or larger than these was likely written in other units.
+void note_size(double longest_mm, const std::string& unit) {
+  constexpr double kSmall_mm = 10, kLarge_mm = 600;
+  if (const std::string as = likely_units(longest_mm / mm_of(unit), kSmall_mm, kLarge_mm);
+      !as.empty() && (longest_mm < kSmall_mm || longest_mm > kLarge_mm))
+    std::printf("note        it is %.3g mm long: if its numbers are not mm, try %s\n", longest_mm, as.c_str());
+}
+
 /// A surface of one's own: whether it can be the body of a scene; and such a scene, if one is asked for.
-void check_surface(const std::string& file, const std::string& text, const std::string& scene_file, bool may_be_open) {
+void check_surface(const std::string& file, const std::string& text, const std::string& scene_file,
+                   const std::string& unit, bool may_be_open) {
   ObjSpec spec;
-  spec.path = file;
+  spec.path = file, spec.scale_to_mm = mm_of(unit);
   spec.layers.resize(1);
   SurfaceReport report;
   Body body;
@@ -491,12 +501,14 @@ void check_surface(const std::string& file, const std::string& text, const std::
     return;
   }
   print_surface(report);
+  if (report.turned) std::printf("note        its triangles ran clockwise seen from outside: turned\n");
+  if (!may_be_open) note_size((body.box_max_mm - body.box_min_mm).maxCoeff(), unit);
   if (scene_file.empty()) return;
   namespace fs = std::filesystem;
   std::error_code ec;
   if (fs::exists(scene_file, ec)) throw InputError(scene_file, 0, "exists already; expected the name of a new file");
   const fs::path beside = fs::absolute(scene_file).parent_path();
-  write_whole_file(scene_file, first_scene(body, fs::absolute(file).lexically_relative(beside).string()));
+  write_whole_file(scene_file, first_scene(body, fs::absolute(file).lexically_relative(beside).string(), mm_of(unit)));
   std::printf("scene       %s; limberg run %s operates on it\n", scene_file.c_str(), scene_file.c_str());
 }
 
@@ -506,7 +518,8 @@ void refuse_scene_of(const std::string& file, const std::string& scene_file) {
 }
 
 /// A volume (or a folder of DICOM slices) or a scan; false: something else.
-bool check_image(const std::string& file, const std::string& series, const std::string& scene_file) {
+bool check_image(const std::string& file, const std::string& series, const std::string& scene_file,
+                 const std::string& unit) {
   std::error_code ec;
   const bool folder = std::filesystem::is_directory(file, ec);
   const auto ends = [&](std::initializer_list<const char*> list) {
@@ -518,10 +531,12 @@ bool check_image(const std::string& file, const std::string& series, const std::
     if (s.tri.empty()) refuse_scene_of(file, scene_file);
     Vec3 low = s.x_mm.front(), high = low;
     for (const Vec3& x : s.x_mm) low = low.cwiseMin(x), high = high.cwiseMax(x);
+    low *= mm_of(unit), high *= mm_of(unit);
     std::printf("%s %zu points, %zu triangles\nsize        %.1f x %.1f x %.1f mm\n",
                 s.tri.empty() ? "scan       " : "surface    ", s.x_mm.size(), s.tri.size(), high.x() - low.x(),
                 high.y() - low.y(), high.z() - low.z());
-    if (!s.tri.empty()) check_surface(file, bytes, scene_file, true);
+    note_size((high - low).maxCoeff(), unit);
+    if (!s.tri.empty()) check_surface(file, bytes, scene_file, unit, true);
     return true;
   }
   // (The slices of a disc have names of any kind.)
@@ -554,7 +569,7 @@ std::string meant(const std::string& given) {
 }
 
 struct CheckOptions {
-  std::string file, draw, series, scene;
+  std::string file, draw, series, scene, unit = "mm";
   bool plan = false;
   CommonOptions common;
 };
@@ -562,7 +577,7 @@ struct CheckOptions {
 int check(const CheckOptions& o) {
   const int workers = o.common.worker_count();
   const std::string file = meant(o.file);
-  if (check_image(file, o.series, o.scene)) return kDone;
+  if (check_image(file, o.series, o.scene, o.unit)) return kDone;
   if (begins_recording(read_beginning(file, kBeginning))) {
     refuse_scene_of(file, o.scene);
     return check_recording(file, o.plan, workers);
@@ -599,7 +614,7 @@ int check(const CheckOptions& o) {
       break;
     }
     case Kind::surface:
-      check_surface(file, text, o.scene, false);
+      check_surface(file, text, o.scene, o.unit, false);
       break;
     case Kind::simplex_mesh: {
       const simplex::Census c = simplex::census(simplex::parse_mesh(text, file));
@@ -638,8 +653,9 @@ void add_check(CLI::App& app, Chosen& chosen) {
               "angles do not add up, so that the skin will stand up or be drawn tight");
   c->add_option("--draw", o->draw, "Draw the plan of a script or lesson, with what it foretells")->type_name("SVG");
   c->add_option("--scene", o->scene,
-                "Of a closed surface (OBJ, PLY, STL) in mm: also write a scene to begin with, that has it as its body")
+                "Of a closed surface (OBJ, PLY, STL): also write a scene to begin with, that has it as its body")
       ->type_name("TOML");
+  add_unit(*c, o->unit, "Of the numbers in a surface or a scan");
   o->common.add_workers(*c);
   c->footer(
       "Exit status 3: a recording is damaged, but what is whole can be replayed.\n"

@@ -11,6 +11,7 @@
 
 #include "app/commands/commands.h"
 #include "app/commands/fit_sweep.h"
+#include "app/commands/length_unit.h"
 #include "app/commands/numbers.h"
 #include "app/commands/session_command.h"
 #include "app/commands/this_call.h"
@@ -232,21 +233,13 @@ void write_mesh(const FitOptions& o, const simplex::Mesh& m) {
   write_whole_file(o.mesh_file, o.mesh_file.ends_with(".obj") ? simplex::to_obj(m) : simplex::to_text(m));
 }
 
-double mm_of(const std::string& unit) { return unit == "cm" ? 10 : unit == "m" ? 1000 : unit == "inch" ? 25.4 : 1; }
-
 /// What the size of a scan says about its units; empty: nothing against them.
 std::string unlikely(double across_mm) {
   if (across_mm >= kSmallest && across_mm <= kLargest) return "";
-  std::string b;
-  std::string as;
-  for (const char* unit : {"cm", "m", "inch"})
-    if (const double mm = across_mm * mm_of(unit); mm >= kSmallest && mm <= kLargest) {
-      b = fmt::format("{} --unit {} ({:.0f} mm)", as.empty() ? "" : " or", unit, mm);
-      as += b;
-    }
-  b = fmt::format("the scan is {:.3g} mm across; a face is 100 to 300 mm: perhaps its lengths are not in mm",
-                  across_mm);
-  return std::string(b) + (as.empty() ? "" : "; try" + as);
+  const std::string as = likely_units(across_mm, kSmallest, kLargest);
+  return fmt::format("the scan is {:.3g} mm across; a face is 100 to 300 mm: perhaps its lengths are not in mm",
+                     across_mm) +
+         (as.empty() ? "" : "; try " + as);
 }
 
 /// A range scan: its points, and which way its triangles look.
@@ -466,8 +459,7 @@ void add_fit(CLI::App& app, Chosen& chosen) {
                          ->check(any_number());
   c->add_option("--offset", o->offset, "What the volume's numbers are above Hounsfield units (1024 for many) [0]")
       ->check(any_number());
-  c->add_option("--unit", o->unit, "Of the numbers in a range scan [mm]")
-      ->check(CLI::IsMember({"mm", "cm", "m", "inch"}));
+  add_unit(*c, o->unit, "Of the numbers in a range scan");
   CLI::Option* edge =
       c->add_option("--edge-mm", o->edge_mm, "Wanted edges of the mesh [4; of a scan: 1/75 of its diagonal, at most 4]")
           ->check(number_from(0.1, 100.));

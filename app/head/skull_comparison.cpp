@@ -179,7 +179,7 @@ SkullFit lay_upon_normal(const Surface& skull, const std::vector<std::string>& f
   f.with = "the scene's normal skull";
   try {
     Surface other;
-    for (const std::string& f : files) append(other, load_surface(f));
+    for (const std::string& file : files) append(other, load_surface(file));
     f.reason = lacks_shape(other);
     if (f.reason.empty()) return lay_upon(skull, other, f.with, false, w, true);
     f.reason = files.front() + " " + f.reason;

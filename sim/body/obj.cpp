@@ -129,14 +129,12 @@ void to_grid(RawMesh& raw, const ObjSpec& spec, Body& body, std::vector<int32_t>
     hi = hi.cwiseMax(raw.v[i]);
   }
   const double extent = (hi - lo).maxCoeff();
-  if (!(extent <= ObjLimits::extent_mm))
+  if (!(extent <= ObjLimits::extent_mm && extent >= ObjLimits::min_extent_mm))
     throw InputError(
         spec.path, 0,
-        "the surface is " + std::to_string(extent) + " mm long; expected at most 1000 (is the scale right?)");
-  if (extent < ObjLimits::min_extent_mm)
-    throw InputError(
-        spec.path, 0,
-        "the surface is only " + std::to_string(extent) + " mm long; expected at least 1 (is the scale right?)");
+        fmt::format("the surface is {:.3g} mm long; expected {:g} to {:g} (are its numbers mm? scale_to_mm "
+                    "in a scene and limberg check --unit say what they are)",
+                    extent, ObjLimits::min_extent_mm, ObjLimits::extent_mm));
   body.grid.unit_mm = rest_unit_mm(0.5 * extent);
   // A whole number of mm as origin keeps coordinates readable and every snapped vertex exact in double.
   for (int k = 0; k < 3; ++k) body.grid.origin_mm[k] = std::round(0.5 * (lo[k] + hi[k]));
@@ -178,6 +176,18 @@ void to_grid(RawMesh& raw, const ObjSpec& spec, Body& body, std::vector<int32_t>
   }
   if (m.tri.empty())
     throw InputError(spec.path, 0, "every face collapses on the rest grid; expected a surface (is the scale right?)");
+}
+
+/// Programs that mirror a mesh leave it inside out: a closed surface has but one outside. True: it was turned.
+bool turn_outwards(TriMesh& m) {
+  double six_volumes = 0;
+  for (const Tri& t : m.tri)
+    six_volumes += (m.X_mm[size_t(t[0])] - m.X_mm[0])
+                       .dot((m.X_mm[size_t(t[1])] - m.X_mm[0]).cross(m.X_mm[size_t(t[2])] - m.X_mm[0]));
+  if (!(six_volumes < 0)) return false;
+  for (Tri& t : m.tri) std::swap(t[1], t[2]);
+  for (auto& uv : m.uv) std::swap(uv[1], uv[2]);
+  return true;
 }
 
 void tag_by_direction(TriMesh& m, const ObjSpec& spec) {
@@ -244,7 +254,9 @@ Body parse_obj(std::string_view text, const ObjSpec& spec, SurfaceReport* report
   Body body;
   std::vector<int32_t> lines, materials;
   to_grid(raw, spec, body, lines, materials);
-  const SurfaceReport found = validate_surface(body.surface, body.grid, spec.path, lines);
+  const bool turned = turn_outwards(body.surface);
+  SurfaceReport found = validate_surface(body.surface, body.grid, spec.path, lines);
+  found.turned = turned;
   if (report) *report = found;
 
   TriMesh& m = body.surface;

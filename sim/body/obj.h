@@ -59,6 +59,7 @@ struct ObjLimits {
   static constexpr double min_extent_mm = 1;
 };
 
+/// A surface that is inside out is turned, and the report says so: programs that mirror a mesh leave it like that.
 /// Throws InputError with the file and line of the trouble. `report` (may be null) receives what was found.
 Body load_obj(const ObjSpec& spec, SurfaceReport* report = nullptr);
 /// The same from text; spec.path is only the name in messages.

@@ -14,6 +14,7 @@ struct SurfaceReport {
   int64_t vertices = 0, edges = 0, triangles = 0;  // vertices: those in use
   int genus = 0;
   double volume_mm3 = 0, area_mm2 = 0;
+  bool turned = false;  // its triangles ran clockwise in its file (body/obj.h)
 };
 
 /// Throws InputError(file, line, ...) at the first offence, naming the triangle and where it is in mm.

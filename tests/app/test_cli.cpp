@@ -113,6 +113,19 @@ TEST_F(Cli, BrokenScripts) {
 TEST_F(Cli, SurfacesThatAreNoBody) {
   const std::string tetra = "v 0 0 0\nv 30 0 0\nv 0 30 0\nv 0 0 30\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
   EXPECT_EQ(run("check " + file("tetra.obj", tetra)).status, 0);
+  // In metres, and inside out, as a mirror leaves it: what to say of it is said, and then it is a scene.
+  const std::string metres =
+      file("m.obj", "v 0 0 0\nv .03 0 0\nv 0 .03 0\nv 0 0 .03\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 1 3 4\n");
+  expect_refused("check " + metres, {"m.obj", "0.03 mm long", "--unit"});
+  const Outcome m = run("check " + metres + " --unit m --scene " + path("m.toml"));
+  EXPECT_EQ(m.status, 0) << m.err;
+  EXPECT_NE(m.out.find("ran clockwise seen from outside: turned"), std::string::npos) << m.out;
+  EXPECT_NE(slurp(path("m.toml")).find("scale_to_mm = 1000"), std::string::npos);
+  EXPECT_EQ(run("check " + path("m.toml") + " --plan").status, 0);
+  const Outcome cm =
+      run("check " + file("cm.obj", "v 0 0 0\nv 3 0 0\nv 0 3 0\nv 0 0 3\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"));
+  EXPECT_EQ(cm.status, 0) << cm.err;
+  EXPECT_NE(cm.out.find("try --unit cm (30 mm) or --unit inch (76 mm)"), std::string::npos) << cm.out;
   expect_refused("check " + file("open.obj", tetra.substr(0, tetra.rfind("f"))), {"open.obj", "expected"});
   // A second tetrahedron that sticks through the first.
   std::string crossing = tetra;

@@ -1,11 +1,14 @@
 // A scene made for a surface of one's own can be read, built and cut, whichever way the surface faces.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 
 #include "app/program/temporary_folder.h"
 #include "app/scene/first_scene.h"
 #include "app/scene/scene.h"
+#include "sim/base/whole_file.h"
 #include "sim/body/skin.h"
 #include "tests/sim/lattice/sheet_bodies.h"
 
@@ -56,6 +59,28 @@ TEST(FirstScene, OperatesOnWhateverSideMostOfASurfaceFaces) {
           EXPECT_EQ(body->chart_normal(), Vec3::UnitZ());
         }
       }
+}
+
+// A line through the middle of a ring meets nothing, and those beside it the wall of its hole.
+TEST(FirstScene, OfARingItsOriginLooksOutAndNotFromTheHole) {
+  constexpr int kAround = 60, kAcross = 24;
+  std::string text;
+  for (int i = 0; i < kAround; ++i)
+    for (int j = 0; j < kAcross; ++j) {
+      const double u = 2 * M_PI * i / kAround, v = 2 * M_PI * j / kAcross, r = 45 + 18 * std::cos(v);
+      text += fmt::format("v {} {} {}\n", r * std::cos(u), r * std::sin(u), 18 * std::sin(v));
+      const auto at = [](int a, int b) { return a % kAround * kAcross + b % kAcross + 1; };
+      text += fmt::format("f {} {} {} {}\n", at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
+    }
+  ObjSpec spec;
+  spec.path = "ring.obj", spec.layers.resize(1);
+  const TemporaryFolder folder("ring");
+  write_whole_file((folder.path() / "ring.obj").string(), text);
+  const Scene scene = parse_scene(first_scene(parse_obj(text, spec), "ring.obj"), (folder.path() / "r.toml").string());
+  const auto body = build_body(scene);
+  const auto origin = Skin(body).at({0, 0});
+  ASSERT_TRUE(origin);
+  EXPECT_GT(origin->normal.dot(body->chart_normal()), 0.7);
 }
 
 }  // namespace test_first_scene

@@ -274,6 +274,21 @@ TEST(Obj, ConcavePolygonsAreCutInside) {
   EXPECT_EQ(r.triangles, 20);
 }
 
+TEST(Obj, ASurfaceThatIsInsideOutIsTurned) {
+  const std::string corners = "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nvt 0 0\nvt 1 0\nvt 0 1\n";
+  ObjSpec spec;
+  spec.path = "x.obj", spec.deep_angle_deg = 30;
+  SurfaceReport out, in;
+  const Body outwards = parse_obj(corners + "f 1/1 3/2 2/3\nf 1/1 2/2 4/3\nf 2/1 3/2 4/3\nf 3/1 1/2 4/3\n", spec, &out);
+  const Body inwards = parse_obj(corners + "f 1/1 2/3 3/2\nf 1/1 4/3 2/2\nf 2/1 4/3 3/2\nf 3/1 4/3 1/2\n", spec, &in);
+  EXPECT_FALSE(out.turned);
+  EXPECT_TRUE(in.turned);
+  EXPECT_EQ(in.volume_mm3, out.volume_mm3);
+  EXPECT_EQ(inwards.surface.tri, outwards.surface.tri);
+  EXPECT_EQ(inwards.surface.uv, outwards.surface.uv) << "each corner keeps its place in the picture";
+  EXPECT_EQ(inwards.surface.tag, outwards.surface.tag);
+}
+
 TEST(Obj, BadFilesAreRefusedWithTheirLine) {
   const std::string v = "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\n";
   const std::tuple<std::string, int, const char*> cases[] = {
@@ -293,10 +308,9 @@ TEST(Obj, BadFilesAreRefusedWithTheirLine) {
       {v + "f 1 99999999999999999999 2\n", 5, "broken index"},
       {v + "f 1 3 2\n", 5, "open"},
       {v + "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 4 1\n", 8, "same direction"},
-      {v + "f 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n", 0, "inside out"},
       {v + "v 9 9 0\nf 1 5 2 3\n", 6, "cannot be cut"},
-      {"v 0 0 0\nv 9e9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n", 0, "at most 1000"},
-      {"v 0 0 0\nv 1e-3 0 0\nv 0 1e-3 0\nv 0 0 1e-3\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n", 0, "at least 1"},
+      {"v 0 0 0\nv 9e9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n", 0, "expected 1 to 1000"},
+      {"v 0 0 0\nv 1e-3 0 0\nv 0 1e-3 0\nv 0 0 1e-3\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n", 0, "expected 1 to 1000"},
   };
   for (const auto& [text, line, word] : cases) {
     ObjSpec spec;
