@@ -22,13 +22,24 @@ void unique_sorted(std::vector<T>& v) {
   v.erase(std::unique(v.begin(), v.end()), v.end());
 }
 
-/// Lists of lists from pairs (owner, member), in one go.
-void pack(std::vector<std::pair<int32_t, int32_t>>& pairs, size_t owners, std::vector<int32_t>& begin,
+/// Lists of lists from pairs (owner, member) that are sorted by their owners.
+void pack(const std::vector<std::pair<int32_t, int32_t>>& pairs, size_t owners, std::vector<int32_t>& begin,
           std::vector<int32_t>& member) {
-  unique_sorted(pairs);
   begin.assign(owners + 1, 0);
+  member.reserve(pairs.size());
   for (const auto& [o, m] : pairs) ++begin[size_t(o) + 1], member.push_back(m);
   for (size_t i = 0; i < owners; ++i) begin[i + 1] += begin[i];
+}
+
+/// The same from pairs (member, owner) that are sorted by their members, and so are the lists that come of it.
+void pack_turned(const std::vector<std::pair<int32_t, int32_t>>& pairs, size_t owners, std::vector<int32_t>& begin,
+                 std::vector<int32_t>& member) {
+  begin.assign(owners + 1, 0);
+  for (const auto& [m, o] : pairs) ++begin[size_t(o) + 1];
+  for (size_t i = 0; i < owners; ++i) begin[i + 1] += begin[i];
+  member.resize(pairs.size());
+  std::vector<int32_t> next(begin.begin(), begin.end() - 1);
+  for (const auto& [m, o] : pairs) member[size_t(next[size_t(o)]++)] = m;
 }
 
 }  // namespace
@@ -99,7 +110,6 @@ RestTissue::RestTissue(const ContactSurface& s, const FemModel& model) : surface
   unique_sorted(node_);
   std::vector<int32_t> slot_of(model.X_mm.size(), -1);
   for (size_t i = 0; i < node_.size(); ++i) slot_of[size_t(node_[i])] = int32_t(i);
-  std::vector<std::pair<int32_t, int32_t>> at_node;  // (slot, kept copy that carries something)
   for (size_t c = 0; c < copy_.size(); ++c) {
     const CellCopy& cell = lattice.cells[size_t(copy_[c])];
     std::array<int32_t, 8> slot{};
@@ -109,25 +119,45 @@ RestTissue::RestTissue(const ContactSurface& s, const FemModel& model) : surface
     size_.push_back(model.X_mm[size_t(cell.node[7])] - low_.back());
     bare_.push_back(!carries[size_t(copy_[c])]);
     whole_.push_back(cell.fraction >= kWhole);
-    if (bare_.back()) continue;
-    for (int32_t k : slot) at_node.push_back({k, int32_t(c)});
   }
-  // Who hangs together: copies at the same node, or at a node and one of its masters.
-  std::vector<std::pair<int32_t, int32_t>> all_at, adjacent;  // (slot, copy)
-  for (size_t c = 0; c < copy_.size(); ++c)
+  // Who hangs together: copies at the same node, or at a node and one of its masters; those that share a node of their
+  // own and carry something. Lists are made copy by copy: to sort all pairs at once takes most of a cut.
+  std::vector<std::pair<int32_t, int32_t>> at_node, all_at;  // (copy, slot); the first of those that carry something
+  std::vector<int32_t> all_first{0};                         // per copy: its first in all_at
+  for (size_t c = 0; c < copy_.size(); ++c) {
     for (size_t k = 0; k < 8; ++k) {
-      all_at.push_back({slot_[c][k], int32_t(c)});
+      if (!bare_[c]) at_node.push_back({int32_t(c), slot_[c][k]});
+      all_at.push_back({int32_t(c), slot_[c][k]});
       const LatticeTopology::Hanging* h = lattice.hanging_at(lattice.cells[size_t(copy_[c])].node[k]);
       if (!h) continue;
       for (int32_t i = 0; i < h->count; ++i)
-        if (const int32_t m = slot_of[size_t(h->master[size_t(i)])]; m >= 0) all_at.push_back({m, int32_t(c)});
+        if (const int32_t m = slot_of[size_t(h->master[size_t(i)])]; m >= 0) all_at.push_back({int32_t(c), m});
     }
-  std::vector<int32_t> all_begin, all;
-  pack(all_at, node_.size(), all_begin, all);
-  for (size_t n = 0; n < node_.size(); ++n)
-    for (int32_t i = all_begin[n]; i < all_begin[n + 1]; ++i)
-      for (int32_t j = all_begin[n]; j < all_begin[n + 1]; ++j) adjacent.push_back({all[size_t(i)], all[size_t(j)]});
-  pack(adjacent, copy_.size(), adjacent_begin_, adjacent_);
+    all_first.push_back(int32_t(all_at.size()));
+  }
+  std::vector<int32_t> all_begin, all, begin, carriers, here;
+  pack_turned(all_at, node_.size(), all_begin, all);
+  pack_turned(at_node, node_.size(), begin, carriers);
+  std::vector<size_t> last(copy_.size(), 0);  // the list that it was put into last
+  size_t lists = 0;
+  const auto add = [&](const std::vector<int32_t>& first, const std::vector<int32_t>& member, int32_t slot) {
+    for (int32_t i = first[size_t(slot)]; i < first[size_t(slot) + 1]; ++i)
+      if (size_t& l = last[size_t(member[size_t(i)])]; l != lists) l = lists, here.push_back(member[size_t(i)]);
+  };
+  adjacent_begin_ = around_begin_ = {0};
+  for (size_t c = 0; c < copy_.size(); ++c) {
+    here.clear(), ++lists;
+    for (int32_t i = all_first[c]; i < all_first[c + 1]; ++i) add(all_begin, all, all_at[size_t(i)].second);
+    std::sort(here.begin(), here.end());
+    adjacent_.insert(adjacent_.end(), here.begin(), here.end());
+    adjacent_begin_.push_back(int32_t(adjacent_.size()));
+    here.clear(), ++lists;
+    for (int32_t slot : slot_[c]) add(begin, carriers, slot);
+    std::sort(here.begin(), here.end());
+    for (int32_t o : here)
+      if (o != int32_t(c)) around_.push_back(o);
+    around_begin_.push_back(int32_t(around_.size()));
+  }
   for (auto& [c, t] : own) c = place[size_t(c)];
   pack(own, copy_.size(), own_begin_, own_);
   wall_least_.assign(copy_.size(), 0), wall_most_.assign(copy_.size(), -1);
@@ -138,19 +168,6 @@ RestTissue::RestTissue(const ContactSurface& s, const FemModel& model) : surface
     if (most < least) least = most = sheet;
     least = std::min(least, sheet), most = std::max(most, sheet);
   }
-  std::vector<int32_t> begin, carriers;
-  pack(at_node, node_.size(), begin, carriers);
-  std::vector<std::pair<int32_t, int32_t>> around;
-  std::vector<int32_t> here;
-  for (size_t c = 0; c < copy_.size(); ++c) {
-    here.clear();
-    for (int32_t k : slot_[c])
-      here.insert(here.end(), carriers.begin() + begin[size_t(k)], carriers.begin() + begin[size_t(k) + 1]);
-    unique_sorted(here);
-    for (int32_t o : here)
-      if (o != int32_t(c)) around.push_back({int32_t(c), o});
-  }
-  pack(around, copy_.size(), around_begin_, around_);
   of_part_.assign(copy_.size() * kParts * kParts * kParts, -1);
 }
 
