@@ -124,11 +124,13 @@ LoadedVolume load_dicom(const std::string& path, const LoadSettings& settings) {
     return s;
   };
   size_t chosen = 0;
+  const auto of_it = [&](const DicomSeries& x) { return x.uid == one.series && x.patient == one.patient; };
+  const auto stacks = by_slice ? std::count_if(all.series.begin(), all.series.end(), of_it) : 0;
+  if (stacks > 1)
+    throw InputError(path, 0,
+                     fmt::format("holds {} stacks of frames; expected --series with one of them", stacks) + list());
   if (by_slice) {
-    while (chosen < all.series.size() &&
-           (all.series[chosen].uid != one.series || all.series[chosen].patient != one.patient ||
-            all.series[chosen].slice.front().stack != one.stack))
-      ++chosen;
+    chosen = size_t(std::find_if(all.series.begin(), all.series.end(), of_it) - all.series.begin());
     if (chosen == all.series.size()) throw InputError(path, 0, "has no pixels; expected a slice of a series");
   } else if (!wanted.empty()) {
     chosen = find_series(all, wanted, path, list());

@@ -15,6 +15,7 @@ namespace {
 constexpr uint32_t kUndefined = 0xffffffff;
 constexpr int kDeepest = 16;  // sequences within sequences
 constexpr size_t kUsualHeader = 65'536;
+constexpr size_t kText = 256;  // so much of a text is kept: every frame has its own (names have 64 letters, PS3.5 6.2)
 
 enum Tag : uint32_t {
   kItem = 0xfffee000,
@@ -212,7 +213,7 @@ class Parser {
   static std::string text(std::string_view v) {
     while (!v.empty() && (v.back() == ' ' || v.back() == 0)) v.remove_suffix(1);
     while (!v.empty() && v.front() == ' ') v.remove_prefix(1);
-    return std::string(v);
+    return std::string(v.substr(0, kText));
   }
   void numbers(std::string_view v, int count, const char* what, double* out) const {
     for (int i = 0; i < count; ++i) {

@@ -377,6 +377,7 @@ TEST_F(Series, StacksOfOneFileAreToldApart) {
   EXPECT_TRUE(has(line_of(list[0]), "stack 1\", 5 slices")) << line_of(list[0]);
   EXPECT_TRUE(has(line_of(list[1]), "stack second\", 12 slices")) << line_of(list[1]);
   EXPECT_TRUE(has(refused("d"), "holds 2 series")) << refused("d");
+  EXPECT_TRUE(has(refused("d/all.dcm"), "holds 2 stacks of frames")) << refused("d/all.dcm");
   EXPECT_EQ(load("d", false, "second").volume.size[2], 12);
 }
 
@@ -397,7 +398,12 @@ TEST_F(Series, FramesThatCannotBeAreRefusedByName) {
                 2, n);
     EXPECT_TRUE(has(said(bad), words)) << said(bad);
   }
-  // Two at one place, and one in another direction.
+  // A text as long as a header may be is not kept for every frame.
+  Slice wordy = frames[0];
+  wordy.description = std::string(60'000, 'a');
+  write("w/all.dcm", enhanced_dicom({wordy, frames[1]}, true));
+  EXPECT_EQ(list_series(dir_ / "w").at(0).description.size(), 256u);
+  // Two at one place.
   frames[2].at = frames[4].at;
   EXPECT_TRUE(has(said(enhanced_dicom(frames, true)), "frame 5: lies where")) << said(enhanced_dicom(frames, true));
   EXPECT_TRUE(has(said(enhanced_dicom(frames, true)), "all.dcm, frame 3 lies")) << said(enhanced_dicom(frames, true));
