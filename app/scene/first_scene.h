@@ -2,8 +2,8 @@
 // A scene to begin with, for a closed surface of one's own.
 //
 // Which side is looked at is not in a mesh: the one of the six sides of its box that most of its surface faces. The
-// chart's origin is the place there that faces it, as near to the middle as it can be; what faces the other way is held.
-// Layers are those of the shipped face. All of it is meant to be changed.
+// chart's origin is the place there that faces it, as near to the middle as it can be; what faces the other way is
+// held. Layers are those of the shipped face. All of it is meant to be changed.
 #include <string>
 
 #include "sim/body/body.h"

@@ -401,7 +401,7 @@ TEST_F(Series, FramesThatCannotBeAreRefusedByName) {
   // A text as long as a header may be is not kept for every frame.
   Slice wordy = frames[0];
   wordy.description = std::string(60'000, 'a');
-  write("w/all.dcm", enhanced_dicom({wordy, frames[1]}, true));
+  write("w/all.dcm", fuzz::enhanced_dicom({wordy, frames[1]}, true));
   EXPECT_EQ(list_series(dir_ / "w").at(0).description.size(), 256u);
   // Two at one place.
   frames[2].at = frames[4].at;
