@@ -120,8 +120,23 @@ RestTissue::RestTissue(const ContactSurface& s, const FemModel& model) : surface
     bare_.push_back(!carries[size_t(copy_[c])]);
     whole_.push_back(cell.fraction >= kWhole);
   }
-  // Who hangs together: copies at the same node, or at a node and one of its masters; those that share a node of their
-  // own and carry something. Lists are made copy by copy: to sort all pairs at once takes most of a cut.
+  list_neighbours(lattice, slot_of);
+  for (auto& [c, t] : own) c = place[size_t(c)];
+  pack(own, copy_.size(), own_begin_, own_);
+  wall_least_.assign(copy_.size(), 0), wall_most_.assign(copy_.size(), -1);
+  for (const auto& [c, t] : own) {
+    if (s.view->kind[size_t(s.in_view[size_t(t)])] != FaceKind::wall) continue;
+    const int32_t sheet = s.sheets.of[size_t(t)];
+    int32_t &least = wall_least_[size_t(c)], &most = wall_most_[size_t(c)];
+    if (most < least) least = most = sheet;
+    least = std::min(least, sheet), most = std::max(most, sheet);
+  }
+  of_part_.assign(copy_.size() * kParts * kParts * kParts, -1);
+}
+
+// Who hangs together: copies at the same node, or at a node and one of its masters; those that share a node of their own
+// and carry something. Lists are made copy by copy: to sort all pairs at once takes most of a cut.
+void RestTissue::list_neighbours(const LatticeTopology& lattice, const std::vector<int32_t>& slot_of) {
   std::vector<std::pair<int32_t, int32_t>> at_node, all_at;  // (copy, slot); the first of those that carry something
   std::vector<int32_t> all_first{0};                         // per copy: its first in all_at
   for (size_t c = 0; c < copy_.size(); ++c) {
@@ -158,17 +173,6 @@ RestTissue::RestTissue(const ContactSurface& s, const FemModel& model) : surface
       if (o != int32_t(c)) around_.push_back(o);
     around_begin_.push_back(int32_t(around_.size()));
   }
-  for (auto& [c, t] : own) c = place[size_t(c)];
-  pack(own, copy_.size(), own_begin_, own_);
-  wall_least_.assign(copy_.size(), 0), wall_most_.assign(copy_.size(), -1);
-  for (const auto& [c, t] : own) {
-    if (s.view->kind[size_t(s.in_view[size_t(t)])] != FaceKind::wall) continue;
-    const int32_t sheet = s.sheets.of[size_t(t)];
-    int32_t &least = wall_least_[size_t(c)], &most = wall_most_[size_t(c)];
-    if (most < least) least = most = sheet;
-    least = std::min(least, sheet), most = std::max(most, sheet);
-  }
-  of_part_.assign(copy_.size() * kParts * kParts * kParts, -1);
 }
 
 int32_t RestTissue::find(int32_t copy) const {

@@ -94,6 +94,7 @@ class RestTissue {
   struct List {
     int32_t begin = 0, own = 0, end = 0;  // in near_: own triangles up to `own`, others up to `end`, nearest first
   };
+  void list_neighbours(const LatticeTopology& lattice, const std::vector<int32_t>& slot_of);
   Vec3 middle(int32_t part, size_t& c) const;  // in edges of the cell of copy c
   bool into_cell(size_t c, int32_t triangle, const Vec3& Q, Vec3& foot_mm) const;
   std::optional<bool> inside_by_way(size_t c, const Vec3& Q, int32_t t, const Vec3& foot) const;
