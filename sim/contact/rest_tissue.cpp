@@ -134,8 +134,8 @@ RestTissue::RestTissue(const ContactSurface& s, const FemModel& model) : surface
   of_part_.assign(copy_.size() * kParts * kParts * kParts, -1);
 }
 
-// Who hangs together: copies at the same node, or at a node and one of its masters; those that share a node of their own
-// and carry something. Lists are made copy by copy: to sort all pairs at once takes most of a cut.
+// Who hangs together: copies at the same node, or at a node and one of its masters; those that share a node of their
+// own and carry something. Lists are made copy by copy: to sort all pairs at once takes most of a cut.
 void RestTissue::list_neighbours(const LatticeTopology& lattice, const std::vector<int32_t>& slot_of) {
   std::vector<std::pair<int32_t, int32_t>> at_node, all_at;  // (copy, slot); the first of those that carry something
   std::vector<int32_t> all_first{0};                         // per copy: its first in all_at
