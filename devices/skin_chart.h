@@ -23,7 +23,7 @@ class SkinChart {
   /// The skin that lies nearest to X at rest, in its deformed place; triangle -1 where there is none within reach_mm.
   /// O(triangles of skin)
   static SkinTouch at_rest(const Snapshot& s, const Vec3& X_mm, double reach_mm);
-  /// The same of these triangles, and where `out` is given only of those that look along it at rest.
+  /// The skin nearest to X at rest among these triangles; where `out` is given, among those that look along it at rest.
   static SkinTouch at_rest(const Snapshot& s, const Vec3& X_mm, double reach_mm, std::span<const int32_t> triangles,
                            const Vec3* out = nullptr);
 

@@ -480,8 +480,8 @@ int check_recording(const std::string& file, bool with_plan, int workers) {
 /// A surface that is smaller or larger than these was likely written in other units.
 void note_size(double longest_mm, const std::string& unit) {
   constexpr double kSmall_mm = 10, kLarge_mm = 600;
-  if (const std::string as = likely_units(longest_mm / mm_of(unit), kSmall_mm, kLarge_mm);
-      !as.empty() && (longest_mm < kSmall_mm || longest_mm > kLarge_mm))
+  if (longest_mm >= kSmall_mm && longest_mm <= kLarge_mm) return;
+  if (const std::string as = likely_units(longest_mm / mm_of(unit), kSmall_mm, kLarge_mm); !as.empty())
     std::printf("note        it is %.3g mm long: if its numbers are not mm, try %s\n", longest_mm, as.c_str());
 }
 

@@ -61,12 +61,14 @@ std::string first_scene(const Body& body, const std::string& mesh, double scale_
   for (int i = 0; i < kLines * kLines; ++i) {
     const double u = double(i % kLines) / (kLines - 1) - 0.5, v = double(i / kLines) / (kLines - 1) - 0.5;
     const Vec3 from = middle + 0.97 * (u * e1.cwiseProduct(size) + v * up.cwiseProduct(size)) + 2 * diagonal_mm * out;
+    const double from_middle = std::sqrt(u * u + v * v);
+    if (from_middle >= nearest) continue;
     const auto hits = surface.line(from, -out, 0, 4 * diagonal_mm);
     if (hits.empty() || !hits[0].from_outside) continue;
     const Tri& t = body.surface.tri[size_t(hits[0].triangle)];
     const auto corner = [&](size_t k) -> const Vec3& { return body.surface.X_mm[size_t(t[k])]; };
     const Vec3 n = area_vector2(corner(0), corner(1), corner(2));
-    const double off = std::sqrt(u * u + v * v) + (n.dot(out) > kFaces * n.norm() ? 0 : kLast);
+    const double off = from_middle + (n.dot(out) > kFaces * n.norm() ? 0 : kLast);
     if (off < nearest) nearest = off, origin = from - hits[0].t * out;
   }
   const double longest = size.maxCoeff(), shortest = size.minCoeff();

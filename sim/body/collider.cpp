@@ -12,6 +12,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/whole_file.h"
+#include "sim/geometry/enclosed_volume.h"
 #include "sim/geometry/io/mesh_file.h"
 #include "sim/geometry/triangle.h"
 
@@ -66,9 +67,7 @@ std::shared_ptr<const Collider> parse_collider(std::string_view text, const Coll
                      fmt::format("the {} is {:g} mm long; expected at most {:g} (is the scale right?)", spec.what,
                                  longest, kLongest_mm));
   if (spec.closed) check_closed(m, line, spec);
-  double volume_mm3 = 0;
-  for (const Tri& t : m.tri)
-    volume_mm3 += (m.X_mm[size_t(t[0])] - low).dot((m.X_mm[size_t(t[1])] - low).cross(m.X_mm[size_t(t[2])] - low)) / 6;
+  const double volume_mm3 = enclosed_volume(m.X_mm, m.tri);
   if (spec.closed && !(volume_mm3 > kLeast_mm3))
     throw InputError(spec.path, 0,
                      fmt::format("the {} holds {:g} mm3; expected faces that look outwards, counter-clockwise seen "

@@ -13,6 +13,7 @@
 #include "sim/base/quoted.h"
 #include "sim/base/whole_file.h"
 #include "sim/body/block.h"
+#include "sim/geometry/enclosed_volume.h"
 #include "sim/geometry/io/mesh_file.h"
 #include "sim/geometry/triangle.h"
 
@@ -180,11 +181,7 @@ void to_grid(RawMesh& raw, const ObjSpec& spec, Body& body, std::vector<int32_t>
 
 /// Programs that mirror a mesh leave it inside out: a closed surface has but one outside. True: it was turned.
 bool turn_outwards(TriMesh& m) {
-  double six_volumes = 0;
-  for (const Tri& t : m.tri)
-    six_volumes += (m.X_mm[size_t(t[0])] - m.X_mm[0])
-                       .dot((m.X_mm[size_t(t[1])] - m.X_mm[0]).cross(m.X_mm[size_t(t[2])] - m.X_mm[0]));
-  if (!(six_volumes < 0)) return false;
+  if (!(enclosed_volume(m.X_mm, m.tri) < 0)) return false;
   for (Tri& t : m.tri) std::swap(t[1], t[2]);
   for (auto& uv : m.uv) std::swap(uv[1], uv[2]);
   return true;

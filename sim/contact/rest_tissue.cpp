@@ -137,8 +137,9 @@ RestTissue::RestTissue(const ContactSurface& s, const FemModel& model) : surface
 // Who hangs together: copies at the same node, or at a node and one of its masters; those that share a node of their
 // own and carry something. Lists are made copy by copy: to sort all pairs at once takes most of a cut.
 void RestTissue::list_neighbours(const LatticeTopology& lattice, const std::vector<int32_t>& slot_of) {
-  std::vector<std::pair<int32_t, int32_t>> at_node, all_at;  // (copy, slot); the first of those that carry something
-  std::vector<int32_t> all_first{0};                         // per copy: its first in all_at
+  std::vector<std::pair<int32_t, int32_t>> at_node;  // (copy that carries something, slot of one of its nodes)
+  std::vector<std::pair<int32_t, int32_t>> all_at;   // (copy, slot of one of its nodes or of a master of one)
+  std::vector<int32_t> all_first{0};                 // per copy: its first in all_at
   for (size_t c = 0; c < copy_.size(); ++c) {
     for (size_t k = 0; k < 8; ++k) {
       if (!bare_[c]) at_node.push_back({int32_t(c), slot_[c][k]});

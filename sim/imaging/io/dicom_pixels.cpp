@@ -32,18 +32,19 @@ constexpr size_t kMostUnpacked = size_t(2) << 30;  // of one file
   throw InputError(d.name(), 0, "its run lengths are damaged: " + what);
 }
 
+uint32_t u32(std::string_view s, size_t at) {
+  uint32_t v = 0;
+  for (size_t k = 0; k < 4; ++k) v |= uint32_t(uint8_t(s[at + k])) << (8 * k);
+  return v;
+}
+
 /// What was packed of a slice: the fragments of the only frame, one behind the other, or one fragment of a frame among
 /// several (PS3.5 A.4: run lengths have one a frame). Before them lies the table of offsets.
 std::string fragments(const DicomFile& d, std::string_view s) {
-  const auto u32 = [&](size_t i) {
-    uint32_t v = 0;
-    for (size_t k = 0; k < 4; ++k) v |= uint32_t(uint8_t(s[i + k])) << (8 * k);
-    return v;
-  };
   std::string out;
   int32_t frame = -1;
   for (size_t at = d.pixels_at; at + 8 <= s.size();) {
-    const uint32_t tag = u32(at), length = u32(at + 4);
+    const uint32_t tag = u32(s, at), length = u32(s, at + 4);
     at += 8;
     if (tag == 0xe0ddfffe && d.frames == 1) return out;
     if (tag == 0xe0ddfffe) packed_badly(d, "there are fewer of them than frames");
@@ -59,18 +60,13 @@ std::string fragments(const DicomFile& d, std::string_view s) {
 std::string unpacked_run_lengths(const DicomFile& d, const std::string& s) {
   const size_t numbers = size_t(d.rows) * size_t(d.columns);
   const size_t planes = size_t(d.allocated) / 8;
-  const auto u32 = [&](size_t i) {
-    uint32_t v = 0;
-    for (size_t k = 0; k < 4; ++k) v |= uint32_t(uint8_t(s[i + k])) << (8 * k);
-    return v;
-  };
-  if (s.size() < 64 || u32(0) != planes)
+  if (s.size() < 64 || u32(s, 0) != planes)
     packed_badly(d, "expected a header of 64 bytes with " + std::to_string(planes) + " segments");
   // 128 numbers come of 2 bytes at most: no memory is asked for where the file cannot hold so many.
   if (numbers > 64 * s.size()) packed_badly(d, "there are too few of them for so many pixels");
   std::string out(numbers * planes, '\0');
   for (size_t p = 0; p < planes; ++p) {
-    const size_t begin = u32(4 + 4 * p), end = p + 1 < planes ? size_t(u32(8 + 4 * p)) : s.size();
+    const size_t begin = u32(s, 4 + 4 * p), end = p + 1 < planes ? size_t(u32(s, 8 + 4 * p)) : s.size();
     if (begin < 64 || begin > end || end > s.size()) packed_badly(d, "a segment lies outside its fragment");
     size_t done = 0, at = begin;
     const auto give = [&](char c) { out[planes * done++ + (planes - 1 - p)] = c; };
