@@ -235,6 +235,17 @@ void Assembly::nodes_again(FemModel& model, std::span<const int32_t> nodes) cons
 
 }  // namespace
 
+void make_parts_ready(const StencilTable& table, const LatticeTopology& t, const LatticeTopology* before,
+                      Workers& workers) {
+  std::vector<CellPlace> places;
+  const auto want = [&](size_t c) { places.push_back(t.tree.place(t.grid, t.cells[c].cell)); };
+  if (before)
+    for_each_change(before->cells, t.cells, want);
+  else
+    for (size_t c = 0; c < t.cells.size(); ++c) want(c);
+  table.make_ready(places, workers);
+}
+
 std::shared_ptr<const FemModel> assemble_fem(const StencilTable& table, const LatticeTopology& t,
                                              const EarlierModel* before, const MaterialSurface* surface) {
   auto model = std::make_shared<FemModel>();

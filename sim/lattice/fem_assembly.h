@@ -60,6 +60,8 @@ class StencilTable {
   int32_t of_cell(int32_t cell) const { return of_cell_[size_t(cell)]; }  // -1: the body is nowhere in the cell
   /// The same for a cell of any level; may add to stencils(), so one thread at a time.
   int32_t of_place(const CellPlace& place) const;
+  /// Makes what of_place() of these will be asked for, on all workers: the same stencils with the same numbers.
+  void make_ready(std::span<const CellPlace> places, Workers& workers) const;
   /// The corners (bits) that a stencil takes as held: its functions vanish at the held surface, and those corners have
   /// next to no stiffness against each other (held_cells.h).
   uint8_t held_corners(int32_t stencil) const { return held_of_[size_t(stencil)]; }
@@ -100,6 +102,12 @@ class StencilTable {
   Made divided_cell(const CellCutter& cutter, const CellSamples& samples, const HeldCorners& held,
                     const Vec3& centre_mm, const Skin::Place& at_centre, const StretchFrame& frame) const;
   bool unlike_its_row(const CellPlace& place) const;
+  struct Part {                  // of a divided cell
+    std::array<int32_t, 4> key;  // level and place (of a row of a block: z alone)
+    bool of_row = false;
+  };
+  Part part_at(const CellPlace& place) const;
+  Made make_part(const CellPlace& place, bool of_row) const;
   Skin::Place place_in_block(const Vec3& X_mm, Skin::Near& near) const;
   Made block_cell(const LatticeGrid& grid, Int3 at) const;
   int32_t add(Made made) const;
@@ -125,10 +133,11 @@ class StencilTable {
   mutable std::vector<double> region_mm3_;  // what each was found to take of the cells looked at
   LatticeGrid grid_;
   bool is_block_ = false;
-  double top_mm_ = 0;                                          // of a block
-  uint8_t fixed_sides_ = 0, sliding_sides_ = 0;                // of a block
-  mutable std::map<std::array<int32_t, 4>, int32_t> of_part_;  // level and place (of a row of a block: z alone)
-  mutable std::map<std::array<int32_t, 5>, int32_t> of_held_;  // and corners
+  double top_mm_ = 0;                                                      // of a block
+  uint8_t fixed_sides_ = 0, sliding_sides_ = 0;                            // of a block
+  mutable std::map<std::array<int32_t, 4>, int32_t> of_part_;              // Part::key
+  mutable std::map<std::array<int32_t, 4>, std::unique_ptr<Made>> ready_;  // not asked for yet
+  mutable std::map<std::array<int32_t, 5>, int32_t> of_held_;              // and corners
   mutable std::map<std::array<int32_t, 3>, uint8_t> fixed_part_;
 };
 
@@ -140,6 +149,10 @@ struct EarlierModel {
   const LatticeTopology& topology;
   const FemModel& model;
 };
+/// Stencils of the parts of cells that are new since `before` (null: of all), made on all workers; assemble_fem finds
+/// them.
+void make_parts_ready(const StencilTable& table, const LatticeTopology& topology, const LatticeTopology* before,
+                      Workers& workers);
 /// `surface`: what the topology was made from; without it copies have the mixture of layers of their cell.
 std::shared_ptr<const FemModel> assemble_fem(const StencilTable& table, const LatticeTopology& topology,
                                              const EarlierModel* before = nullptr,

@@ -90,6 +90,7 @@ double spread_of(double fraction) {
   if (fraction >= 1 - 1e-6) return 0;
   return std::min(kMostSpread, std::max(kSpread, kSpreadOfSlivers / (fraction * fraction)));
 }
+constexpr size_t kPartsAtOnce = 4;  // some .1 ms each
 // A cell of which the body takes less (by its samples) is taken as one of one layer.
 constexpr double kSliver = 1e-3;
 
@@ -135,7 +136,8 @@ struct StencilTable::Made {
   Stencil stencil;
   double body_mm3 = 0;
   std::shared_ptr<LayeredCell> layered;
-  uint8_t held = 0;  // corners
+  uint8_t held = 0;                // corners
+  std::vector<double> region_mm3;  // what each region takes; empty: nothing
 };
 
 StencilTable::~StencilTable() = default;
@@ -448,13 +450,15 @@ StencilTable::Made StencilTable::divided_cell(const CellCutter& cutter, const Ce
   std::vector<StretchFrame> frames(matter_.size(), frame);
   std::vector<LayerPoint> points;
   std::vector<CellPart> parts;
+  std::vector<double> region_mm3;
   if (in_region) {
     frames = regions_->frames(centre, frame);
     points = regions_->points(centre - 0.5 * h, h, samples);
     parts = parts_of(points, frames);
     const size_t layers = skin_->body().layers.size();
+    region_mm3.resize(region_mm3_.size(), 0.0);
     for (const CellPart& p : parts)
-      if (p.matter >= layers) region_mm3_[p.matter - layers] += p.moments.volume_mm3();
+      if (p.matter >= layers) region_mm3[p.matter - layers] += p.moments.volume_mm3();
   } else {
     const std::vector<CellMoments> moments = cutter.moments(samples);
     for (size_t l = 0; l < moments.size(); ++l) parts.push_back({int(l), l, frame, moments[l]});
@@ -467,13 +471,13 @@ StencilTable::Made StencilTable::divided_cell(const CellCutter& cutter, const Ce
     Stencil s;
     add_box(s, h, Vec3::Zero(), Vec3::Ones(), matter_[of], frames[of]);
     finish_stencil(s);
-    return {std::move(s), h.prod(), nullptr};
+    return {std::move(s), h.prod(), nullptr, 0, std::move(region_mm3)};
   }
   OfParts made = of_parts(h, parts, matter_);
   Stencil& s = made.stencil;
   if (held.held &&
       hold_at_surface(s, h, held, in_region ? points : cutter.points(samples), matter_, frames, made.spread))
-    return {std::move(s), volume, nullptr, held.held};
+    return {std::move(s), volume, nullptr, held.held, std::move(region_mm3)};
   share_cell(s, h, made.shared, frame, made.spread > 0, !made.of_regions);
   std::shared_ptr<LayeredCell> layered;
   if (made.shared.size() > 1) {
@@ -481,7 +485,7 @@ StencilTable::Made StencilTable::divided_cell(const CellCutter& cutter, const Ce
     layered->parts = std::move(parts), layered->frame = frame;
     layered->depth = {at_centre.in_layers_mm(), at_centre.down - slope_of_thicker(samples, h)};
   }
-  return {std::move(s), volume, std::move(layered)};
+  return {std::move(s), volume, std::move(layered), 0, std::move(region_mm3)};
 }
 
 int32_t StencilTable::mixed(int32_t stencil, const std::vector<int32_t>& steps) const {
@@ -508,6 +512,7 @@ int32_t StencilTable::mixed(int32_t stencil, const std::vector<int32_t>& steps) 
 }
 
 int32_t StencilTable::add(Made made) const {
+  for (size_t r = 0; r < made.region_mm3.size(); ++r) region_mm3_[r] += made.region_mm3[r];
   alike_[some_of(made.stencil, made.body_mm3)].push_back(int32_t(stencils_.size()));
   stencils_.push_back(std::move(made.stencil));
   body_mm3_.push_back(made.body_mm3);
@@ -653,20 +658,57 @@ StencilTable::Made StencilTable::general_part(const LatticeGrid& grid, Int3 at, 
   return made;
 }
 
+StencilTable::Part StencilTable::part_at(const CellPlace& place) const {
+  const bool of_row = is_block_ && !unlike_its_row(place);
+  return {{place.level, of_row ? -1 : place.at.x, of_row ? -1 : place.at.y, place.at.z}, of_row};
+}
+
+StencilTable::Made StencilTable::make_part(const CellPlace& place, bool of_row) const {
+  const LatticeGrid grid = grid_.at_level(place.level);
+  Made made = of_row      ? block_row(grid, place.at.z)
+              : is_block_ ? block_cell(grid, place.at)
+                          : general_part(grid, place.at, place.level);
+  made.stencil.level = uint8_t(place.level);
+  return made;
+}
+
 int32_t StencilTable::of_place(const CellPlace& place) const {
   if (place.level == 0) return of_cell(grid_.cell_index(place.at));
-  const bool of_row = is_block_ && !unlike_its_row(place);
-  const std::array<int32_t, 4> key{place.level, of_row ? -1 : place.at.x, of_row ? -1 : place.at.y, place.at.z};
-  const auto [it, is_new] = of_part_.try_emplace(key, -1);
+  const Part part = part_at(place);
+  const auto [it, is_new] = of_part_.try_emplace(part.key, -1);
   if (is_new) {
-    const LatticeGrid grid = grid_.at_level(place.level);
-    Made made = of_row      ? block_row(grid, place.at.z)
-                : is_block_ ? block_cell(grid, place.at)
-                            : general_part(grid, place.at, place.level);
-    made.stencil.level = uint8_t(place.level);
-    it->second = intern(std::move(made));
+    const auto ready = ready_.find(part.key);
+    const bool made = ready != ready_.end() && ready->second;
+    it->second = intern(made ? std::move(*ready->second) : make_part(place, part.of_row));
+    if (ready != ready_.end()) ready_.erase(ready);
   }
   return it->second;
+}
+
+void StencilTable::make_ready(std::span<const CellPlace> places, Workers& workers) const {
+  struct Wanted {
+    CellPlace place;
+    bool of_row;
+    std::unique_ptr<Made>* made;
+  };
+  std::vector<Wanted> wanted;
+  for (const CellPlace& place : places) {
+    if (place.level == 0) continue;
+    const Part part = part_at(place);
+    if (of_part_.contains(part.key)) continue;
+    const auto [it, is_new] = ready_.try_emplace(part.key);
+    if (!is_new) continue;
+    wanted.push_back({place, part.of_row, &it->second});
+    if (is_block_ || held_surface_.empty()) continue;
+    const int32_t size = kEighths >> place.level;  // where its corners may be held is noted by one thread
+    for (int k = 0; k < 8; ++k)
+      fixed_candidate(
+          {size * (place.at.x + (k & 1)), size * (place.at.y + (k >> 1 & 1)), size * (place.at.z + (k >> 2 & 1))});
+  }
+  workers.parallel_for(wanted.size(), kPartsAtOnce, [&](size_t from, size_t to) {
+    for (size_t i = from; i < to; ++i)
+      *wanted[i].made = std::make_unique<Made>(make_part(wanted[i].place, wanted[i].of_row));
+  });
 }
 
 int32_t StencilTable::of_place(const CellPlace& place, uint8_t held) const {

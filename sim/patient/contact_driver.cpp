@@ -1,6 +1,7 @@
 #include "sim/patient/contact_driver.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace limberg {
 namespace {
@@ -12,10 +13,49 @@ constexpr double kMoveOfContacts_mm = 1.5;
 
 }  // namespace
 
+struct ContactDriver::Finders {
+  uint64_t version = 0;
+  std::unique_ptr<ContactFinder> walls;         // absent: there is no wall
+  std::unique_ptr<ColliderContacts> colliders;  // absent: none is near
+
+  void make(const TissueVersion& of, double friction) {
+    version = of.surface->version;
+    const SurfaceTopology& surface = *of.surface;
+    if (auto found = contact_surface({of.surface, &surface.view}, surface.embedding, of.lattice, *of.model))
+      walls = std::make_unique<ContactFinder>(std::move(found), *of.model, friction);
+    if (surface.body->colliders.empty()) return;
+    colliders =
+        std::make_unique<ColliderContacts>(surface.body, surface.view, surface.embedding.flat(), *of.model, friction);
+    if (colliders->places() == 0) colliders.reset();
+  }
+};
+
+void ContactDriver::prepare(const TissueVersion& next) {
+  if (tissue_.spec().contact == ContactChoice::off) return;
+  prepared_ = std::make_shared<Finders>();
+  preparing_ = tissue_.workers().submit(
+      [next, made = prepared_, friction = tissue_.spec().contact_friction] { made->make(next, friction); });
+}
+
+// What was prepared is taken if it is of this surface; the solver makes its metric while it waits for it.
+ContactDriver::Finders ContactDriver::take_finders(const StepSettings& settings) {
+  const TissueVersion& now = tissue_.version();
+  Finders out;
+  const auto job = std::exchange(preparing_, nullptr);
+  const auto made = std::exchange(prepared_, nullptr);
+  if (job && !job->done()) tissue_.solver().make_ready(settings);
+  if (job) job->wait();
+  if (made && made->version == now.surface->version)
+    out = std::move(*made);
+  else
+    out.make(now, tissue_.spec().contact_friction);
+  return out;
+}
+
 StepReport ContactDriver::step(const StepSettings& settings) {
   ElasticSolver& solver = tissue_.solver();
   if (settings.afresh && !to_resume_) to_resume_ = memory();
-  follow(true);
+  follow(true, settings);
   if (!any() || settings.dt_s > 0) {
     const StepReport report = solver.step(settings);
     if (any()) gone_.iterations += uint64_t(report.iterations);
@@ -33,7 +73,7 @@ StepReport ContactDriver::step(const StepSettings& settings) {
     part.afresh = false;
     done += report.iterations;
     const bool moved = report.iterations > 0, stopped = settings.should_stop && settings.should_stop();
-    const bool others = moved && any_near() && follow(false);
+    const bool others = moved && any_near() && follow(false, settings);
     if (done >= settings.max_iterations || stopped || !moved)
       more = false;
     else
@@ -49,24 +89,16 @@ StepReport ContactDriver::step(const StepSettings& settings) {
   return report;
 }
 
-bool ContactDriver::follow(bool step_begins) {
+bool ContactDriver::follow(bool step_begins, const StepSettings& settings) {
   if (tissue_.spec().contact == ContactChoice::off) return false;
   const TissueVersion& now = tissue_.version();
   bool fresh = false;
   if (version_ != now.surface->version) {
     version_ = now.surface->version;
     gone_ = counts();
-    const auto surface =
-        contact_surface({now.surface, &now.surface->view}, now.surface->embedding, now.lattice, *now.model);
-    const double friction = tissue_.spec().contact_friction;
-    finder_ = surface ? std::make_unique<ContactFinder>(surface, *now.model, friction) : nullptr;
+    Finders found = take_finders(settings);
+    finder_ = std::move(found.walls), colliders_ = std::move(found.colliders);
     if (finder_) ++gone_.surfaces;
-    colliders_.reset();
-    if (!tissue_.body().colliders.empty()) {
-      colliders_ = std::make_unique<ColliderContacts>(now.surface->body, now.surface->view,
-                                                      now.surface->embedding.flat(), *now.model, friction);
-      if (colliders_->places() == 0) colliders_.reset();
-    }
     lattice_ = now.lattice;
     fresh = true;
   }

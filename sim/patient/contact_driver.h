@@ -20,6 +20,9 @@ class ContactDriver {
  public:
   explicit ContactDriver(Tissue& tissue) : tissue_(tissue) {}
 
+  /// Begins to look, beside whatever else is done, at what can touch in a version that the tissue is about to take: the
+  /// first step with it finds that made.
+  void prepare(const TissueVersion& next);
   StepReport step(const StepSettings& settings);
   ContactCounts counts() const;
   /// What undo and redo bring back. Brought back, it is taken up by the next step.
@@ -31,7 +34,11 @@ class ContactDriver {
   Vec3 collider_force_mN() const;
 
  private:
-  bool follow(bool step_begins);  // true when the solver has others now; nothing is done where nothing can touch
+  struct Finders;  // of one version of the surface
+  Finders take_finders(const StepSettings& settings);
+  bool follow(
+      bool step_begins,
+      const StepSettings& settings);  // true when the solver has others now; nothing is done where nothing can touch
   std::span<const Contact> held_apart() const;  // what the solver has
   bool any() const { return finder_ || colliders_; }
   bool any_near() const { return (finder_ && finder_->any_near()) || (colliders_ && colliders_->any_near()); }
@@ -44,6 +51,8 @@ class ContactDriver {
   std::shared_ptr<const LatticeTopology> lattice_;  // that it is for
   std::optional<ContactMemory> to_resume_;
   ContactCounts gone_;  // of finders that are gone
+  std::shared_ptr<Finders> prepared_;
+  std::shared_ptr<Workers::Job> preparing_;
 };
 
 }  // namespace limberg

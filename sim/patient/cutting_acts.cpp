@@ -139,6 +139,7 @@ Acted<TissueChange> SoftTissue::finish(TissueCut& cut) {
   TissueChange change;
   change.before = moment();
   try {
+    contacts_.prepare(cut.built());
     cut.enter();
     pass(spec().fault);
     hooks_.carry();

@@ -46,6 +46,7 @@ Tissue::Tissue(WorldSpec spec, Workers& workers)
   stencils_ = std::make_unique<StencilTable>(*skin_, grid);
   version_.activation = stencils_->activation();
   version_.lattice = build_topology(grid, material_surface(*arrangement_), front_levels, grading);
+  make_parts_ready(*stencils_, *version_.lattice, nullptr, workers);
   version_.model = hold_outside(assemble_fem(*stencils_, *version_.lattice), *body_, spec_.region_mm);
   make_surface(version_, draw_surface());
   initial_volume_mm3_ = arrangement_->volume_mm3();

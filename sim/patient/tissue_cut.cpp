@@ -215,6 +215,7 @@ Outcome TissueCut::build() {
   if (const Outcome o = follow(); !o.done) return o;
   try {
     next_.lattice = followed_;
+    make_parts_ready(*t.stencils_, *next_.lattice, &before.topology, t.workers_);
     assembling = t.workers_.submit([&] {
       const MaterialSurface surface = material_surface(arrangement_);
       next_.model =

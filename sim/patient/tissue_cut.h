@@ -64,6 +64,7 @@ class TissueCut {
 
   /// The version that follows; refused: the lattice or the model cannot follow.
   Outcome build();
+  const TissueVersion& built() const { return next_; }
   void enter();
   std::vector<CutStep> keep();  // the steps
 

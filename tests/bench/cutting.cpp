@@ -174,6 +174,7 @@ Result cutting(const CuttingSettings& settings) {
   if (wanted("crossing")) crossing_cuts(out, settings, settings.quick ? 56 : 224, settings.quick ? 3 : 11);
   if (wanted("whole cut"))
     whole_cut(out, settings, settings.quick ? 56 : 224, settings.quick ? 6 : 3, settings.quick ? 2 : 9);
+  if (wanted("drawn")) drawn_incision(out, settings);
   if (wanted("fronts")) fronts(out, settings);
   return out;
 }

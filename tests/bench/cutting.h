@@ -1,5 +1,6 @@
 #pragma once
-// `limberg bench cutting`: what a cut costs, in CPU time of this process, on one core.
+// `limberg bench cutting`: what a cut costs, in CPU time of this process, on one core (but for what is said to be by
+// the clock).
 //
 //   arrangement  a 200-triangle blade, 120 mm long and 9 mm deep, into the skin of slabs
 //                of 26 k to 1.6 M triangles (cutting_scene.h), against CGAL's corefinement
@@ -11,6 +12,7 @@
 //                mm: arrangement, lattice, finite elements, surface that is drawn; and
 //                what the solver then does with the model, which has bars of its own
 //   fronts       where a slit that ends inside lattice cells really opens, with and without divided cells (fronts.h)
+//   drawn        an incision of 110 mm that is drawn live on a face (cutting_drawn.cpp), by the clock
 //   memory       of the arrangement, per triangle
 //
 // What is fair and what is not: ours keeps a box tree over the triangles of the body from cut
@@ -26,7 +28,8 @@ namespace limberg::bench {
 
 struct CuttingSettings {
   bool quick = false;  // small slabs, few repeats: behaviour, not time; the bars that need size are left out
-  std::string only;    // parts whose name contains this: arrangement, history, crossing, whole cut, fronts; empty: all
+  std::string
+      only;  // parts whose name contains this: arrangement, history, crossing, whole cut, fronts, drawn; empty: all
   std::string cgal_program;                          // empty: the helper beside the running program
   std::function<void(const std::string&)> progress;  // empty: silent
 };
@@ -36,5 +39,7 @@ Result cutting(const CuttingSettings& settings);
 /// The parts "crossing" (cutting_crossing.cpp) and "whole cut" (cutting_whole.cpp).
 void crossing_cuts(Result& out, const CuttingSettings& settings, int slab_cells, int repeats);
 void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, double cell_mm, int repeats);
+/// The part "drawn" (cutting_drawn.cpp).
+void drawn_incision(Result& out, const CuttingSettings& settings);
 
 }  // namespace limberg::bench

@@ -208,8 +208,8 @@ constexpr Suite kSuites[] = {
      [](const Options& o) {
        return only(contact({o.quick, o.only, o.progress}));
      }},
-    {"cutting", "what a cut costs, beside CGAL", "arrangement, history, crossing, whole cut, fronts, metric", false,
-     run_cutting},
+    {"cutting", "what a cut costs, beside CGAL", "arrangement, history, crossing, whole cut, drawn, fronts, metric",
+     false, run_cutting},
     {"devices", "the 1 kHz loop, buffers, tracking, calibration, grabs and force",
      "wake, buffers, tracking, calibration, grabs, force, felt, latency, hand to force, z-width", false, run_devices},
     {"faults", "what full disks, lost memory, kills and stopped clocks do to a session and its recording", "", false,

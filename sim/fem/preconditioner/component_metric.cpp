@@ -79,6 +79,10 @@ void ComponentMetric::begin_step(double mass_per_s2, int adopt_after, bool when_
   for (Part& p : parts_) p.metric->begin_step(mass_per_s2, adopt_after, when_ready, adopt_now);
 }
 
+void ComponentMetric::make_ready(double mass_per_s2) {
+  for (Part& p : parts_) p.metric->make_ready(mass_per_s2);
+}
+
 void ComponentMetric::apply(const NodeArray& r, NodeArray& z) {
   if (parts_.size() == 1) return parts_.front().metric->apply(r, z);
   z.zero();

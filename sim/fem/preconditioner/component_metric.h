@@ -27,6 +27,7 @@ class ComponentMetric {
   void set_springs(const std::vector<Preconditioner::SpringEntry>& springs);
   void begin_step(double mass_per_s2, int adopt_after, bool when_ready,
                   const std::function<bool(bool)>& adopt_now = {});
+  void make_ready(double mass_per_s2);
   /// r must be zero along held axes; so will z be.
   void apply(const NodeArray& r, NodeArray& z);
 

@@ -235,6 +235,17 @@ void Preconditioner::make_cycle(double mass_per_s2) {
   operator_changed();
 }
 
+bool Preconditioner::needs_cycle(double mass_per_s2) const {
+  return !factor_is_current_ &&
+         (!now_.cycle || mass_differs(now_.cycle->mass_per_s2(), mass_per_s2) || springs_have_changed());
+}
+
+// With a factor on its way it may not come to a cycle; a scene opens with its factor.
+void Preconditioner::make_ready(double mass_per_s2) {
+  const bool opens = kept_.empty() && !now_.cycle;
+  if (now_.model && !pending_ && !opens && needs_cycle(mass_per_s2)) make_cycle(mass_per_s2);
+}
+
 void Preconditioner::begin_step(double mass_per_s2, int adopt_after, bool when_ready,
                                 const std::function<bool(bool)>& adopt_now) {
   if (pending_) {
@@ -252,9 +263,7 @@ void Preconditioner::begin_step(double mass_per_s2, int adopt_after, bool when_r
       if (first) adopt();  // a scene opens with its factor
     }
   }
-  if (!factor_is_current_ &&
-      (!now_.cycle || mass_differs(now_.cycle->mass_per_s2(), mass_per_s2) || springs_have_changed()))
-    make_cycle(mass_per_s2);
+  if (needs_cycle(mass_per_s2)) make_cycle(mass_per_s2);
   if (columns_dirty_) update_columns();
 }
 

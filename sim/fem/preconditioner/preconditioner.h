@@ -54,6 +54,8 @@ class Preconditioner {
   /// the cycle if one is needed.
   void begin_step(double mass_per_s2, int adopt_after, bool when_ready,
                   const std::function<bool(bool)>& adopt_now = {});
+  /// The cycle that begin_step would make, made before: in between only time may pass.
+  void make_ready(double mass_per_s2);
   void apply(const NodeArray& r, NodeArray& z);
 
   std::shared_ptr<const MetricPast> past() const;
@@ -96,6 +98,7 @@ class Preconditioner {
   std::shared_ptr<const Recipe> next_recipe(double mass_per_s2) const;
   void adopt();
   void drop_pending();
+  bool needs_cycle(double mass_per_s2) const;
   void make_cycle(double mass_per_s2);
   void use_factor();
   void operator_changed() { columns_.clear(), columns_dirty_ = true; }

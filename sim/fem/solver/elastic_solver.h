@@ -112,6 +112,9 @@ class ElasticSolver {
   virtual std::span<const DeadLoad> loads() const = 0;
 
   virtual StepReport step(const StepSettings& settings) = 0;
+  /// Makes now what the next step with these settings would begin with, so that others can work beside it. That step
+  /// is the same to the last bit.
+  virtual void make_ready(const StepSettings&) {}
 
   virtual std::span<const Vec3f> displacement_mm() const = 0;      // per node: x - X
   virtual void set_displacement_mm(std::span<const Vec3f> u) = 0;  // tests, undo; fixed nodes stay where this puts them

@@ -38,6 +38,9 @@ class FocusSolver final : public ElasticSolver {
   void set_loads(std::span<const DeadLoad> loads) override;
   std::span<const DeadLoad> loads() const override { return whole_->loads(); }
   StepReport step(const StepSettings& settings) override;
+  void make_ready(const StepSettings& settings) override {
+    if (!on_) whole_->make_ready(settings);
+  }
   std::span<const Vec3f> displacement_mm() const override;
   void set_displacement_mm(std::span<const Vec3f> u) override;
   SolverState save() const override;

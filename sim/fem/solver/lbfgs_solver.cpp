@@ -238,6 +238,11 @@ double LbfgsSolver::next_move_mm(const std::function<void(const NodeArray&, Node
   return engine_.max_node(d_);
 }
 
+// Of a step that must first forget or look at its cells nothing can be said yet.
+void LbfgsSolver::make_ready(const StepSettings& s) {
+  if (model_ && !s.afresh && s.dt_s == 0 && lagging_iterations_ < lags_for) metric_.make_ready(0);
+}
+
 StepReport LbfgsSolver::step(const StepSettings& s) {
   if (!model_) throw InputError("", 0, "a step was asked for before a model was given");
   if (s.afresh) forget();

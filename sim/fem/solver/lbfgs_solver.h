@@ -82,6 +82,7 @@ class LbfgsSolver final : public ElasticSolver {
   void set_loads(std::span<const DeadLoad> loads) override;
   std::span<const DeadLoad> loads() const override { return load_list_; }
   StepReport step(const StepSettings& settings) override;
+  void make_ready(const StepSettings& settings) override;
 
   std::span<const Vec3f> displacement_mm() const override { return shown_; }
   void set_displacement_mm(std::span<const Vec3f> u) override;

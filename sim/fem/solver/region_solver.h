@@ -34,6 +34,7 @@ class RegionSolver final : public ElasticSolver {
   void set_loads(std::span<const DeadLoad> loads) override;
   std::span<const DeadLoad> loads() const override { return loads_; }
   StepReport step(const StepSettings& settings) override;
+  void make_ready(const StepSettings& settings) override { inner_->make_ready(settings); }
   std::span<const Vec3f> displacement_mm() const override { return shown_; }
   void set_displacement_mm(std::span<const Vec3f> u) override;
   SolverState save() const override { return inner_->save(); }

@@ -20,7 +20,7 @@ TEST(BenchCutting, QuickRunHasEveryPartAndNeedsNoCgal) {
     EXPECT_GE(row.time_ms, 0) << row.name << ", " << row.method;
     EXPECT_TRUE(row.pass);
   }
-  for (const char* n : {"arrangement, 2 k", "arrangement, 7 k", "history", "crossing"})
+  for (const char* n : {"arrangement, 2 k", "arrangement, 7 k", "history", "crossing", "incision drawn on a face"})
     EXPECT_TRUE(names.count(n)) << n;
   ASSERT_FALSE(r.bars.empty());  // small sizes say nothing about time, but where a slit ends is none of it
   for (const Bar& b : r.bars)

@@ -202,6 +202,45 @@ TEST(Preconditioner, QuickCutsGiveTheSameBitsForAnyNumberOfWorkers) {
   EXPECT_EQ(a, run(three));
 }
 
+// Made beside other work, before the step that would make it: the same operators, a factor on its way or none.
+TEST(Preconditioner, MadeReadyItIsTheSame) {
+  for (const int32_t factor_up_to : {0, 10000}) {
+    const auto run = [&](bool ready) {
+      InlineWorkers w;
+      BoxSpec b;
+      b.cells = {14, 12, 3}, b.size_mm = {42, 36, 9}, b.fix_sides = true;
+      test::CutBox body(b);
+      Random r(4);
+      fem::Preconditioner P(w, {factor_up_to});
+      std::vector<float> out;
+      std::vector<int32_t> made;
+      for (int cut = 0; cut < 6; ++cut) {
+        if (cut > 0) body.cut(r);
+        P.set_model(body.model(), cut > 0 ? ParentList(body.cell_parent()) : ParentList{});
+        P.set_springs(springs(*body.model(), 3 * cut));
+        if (ready) P.make_ready(0);
+        const auto before = P.cycle();
+        for (int step = 0; step < 5; ++step) {
+          if (ready && step == 2) P.make_ready(0);
+          P.begin_step(0, 3, false);
+          if (ready && cut > 0 && step == 0) {
+            EXPECT_EQ(P.cycle(), before) << "made in the step";
+          }
+          made.push_back(P.cycle() ? P.cycle()->made().rows : -1);
+          const NodeArray a = random_nodes(*body.model(), uint64_t(10 * cut + step));
+          NodeArray z(a.size());
+          P.apply(a, z);
+          for (const Node4& v : z) out.push_back(v.x), out.push_back(v.z);
+        }
+      }
+      return std::pair(out, made);
+    };
+    const auto with = run(true), without = run(false);
+    EXPECT_EQ(with.second, without.second);
+    EXPECT_EQ(with.first, without.first);
+  }
+}
+
 TEST(Preconditioner, InheritedOrderCostsLittleFill) {
   const FemModel before = bench_scene(24, 2, 0.45).model;
   const FemModel after = test::cut_at_x0(before, 20);

@@ -272,6 +272,57 @@ Body block(double stretch, bool layered) {
   return make_block(spec);
 }
 
+/// Chunks from the last to the first, and which of them there were.
+class LastFirst final : public Workers {
+ public:
+  int count() const override { return 2; }
+  void parallel_for(size_t n, size_t grain, const std::function<void(size_t, size_t)>& body) override {
+    for (size_t k = (n + grain - 1) / grain; k-- > 0; ++chunks) body(k * grain, std::min(n, (k + 1) * grain));
+  }
+  std::shared_ptr<Job> submit(std::function<void()> job) override { return InlineWorkers().submit(std::move(job)); }
+  int chunks = 0;
+};
+
+// Parts that were made beside each other, in whatever order, are those that one thread makes as it meets them, number
+// by number. A slab with a round top, whose bottom is held.
+TEST_F(Fronts, PartsMadeBesideEachOtherAreTheSame) {
+  Body slab;
+  slab.grid = grid();
+  slab.surface = wavy_slab(60, 12, 24, 0.8);
+  slab.layers.resize(2);
+  slab.layers[0].thickness_mm = 2, slab.layers[1].thickness_mm = 5;
+  slab.layers[0].material.prestretch_along = 1.1;
+  slab.surface.tag.assign(slab.surface.tri.size(), SurfaceTag::skin);
+  for (size_t t = 0; t < slab.surface.tri.size(); ++t) {
+    const Tri& c = slab.surface.tri[t];
+    if (std::all_of(c.begin(), c.end(), [&](int32_t v) { return slab.surface.X_mm[size_t(v)].z() < -11; }))
+      slab.surface.tag[t] = SurfaceTag::fixed;
+  }
+  const Skin skin(std::make_shared<const Body>(std::move(slab)));
+  ASSERT_TRUE(s.cut(strip({{-14.3, 0.3}, {11.2, 1.1}}, 3, -11.8)));
+  ASSERT_TRUE(s.cut(strip({{1, -13}, {2, 17}}, 3, -4)));
+  const StencilTable one(skin, s.t->grid), many(skin, s.t->grid);
+  LastFirst workers;
+  make_parts_ready(many, *s.t, nullptr, workers);
+  EXPECT_GT(workers.chunks, 50);
+  const auto a = assemble_fem(one, *s.t), b = assemble_fem(many, *s.t);
+  ASSERT_EQ(a->cells.size(), b->cells.size());
+  for (size_t c = 0; c < a->cells.size(); ++c) {
+    ASSERT_EQ(a->cells[c].stencil, b->cells[c].stencil) << c;
+    ASSERT_EQ(a->cells[c].scale, b->cells[c].scale) << c;
+  }
+  EXPECT_EQ(a->fixed, b->fixed);
+  EXPECT_TRUE(one.any_held_corners());
+  ASSERT_EQ(a->stencils.size(), b->stencils.size());
+  for (size_t k = 0; k < a->stencils.size(); ++k) {
+    EXPECT_EQ(a->stencils[k].K, b->stencils[k].K) << k;
+    EXPECT_EQ(a->stencils[k].volume_mm3, b->stencils[k].volume_mm3) << k;
+  }
+  const int made = workers.chunks;
+  make_parts_ready(many, *s.t, nullptr, workers);
+  EXPECT_EQ(workers.chunks, made) << "nothing is made twice";
+}
+
 double largest_unknown(const FemModel& m, std::vector<Vec3> g) {
   for (const HangingNode& h : m.hanging) {
     for (size_t k = 0; k < size_t(h.count); ++k) g[size_t(h.master[k])] += double(h.weight[k]) * g[size_t(h.node)];
