@@ -22,14 +22,28 @@ float above(double v) {
   return double(f) >= v ? f : std::nextafter(f, kInf);
 }
 
-double box_distance2(const Vec3f& lo, const Vec3f& hi, const Vec3& p) {
-  double d2 = 0;
-  for (int a = 0; a < 3; ++a) {
-    const double under = double(lo[a]) - p[a], over = p[a] - double(hi[a]);
-    const double out = under > over ? under : over, d = out > 0 ? out : 0;
-    d2 += d * d;
+v4 larger(v4 a, v4 b) { return a > b ? a : b; }
+
+/// A place, and by how much less than what floats say of it a distance along each axis may be.
+struct FourOf {
+  v4 at[3], off[3];
+  explicit FourOf(const Vec3& p) {
+    for (int a = 0; a < 3; ++a) {
+      const float x = float(p[a]), e = std::abs(x) * 0x1p-22f;  // p to x, and x to the box
+      at[a] = x - v4{}, off[a] = e - v4{};
+    }
   }
-  return d2;
+};
+
+/// Squared distances to four boxes, never more than they are.
+v4 distances2(const v4 (&lo)[3], const v4 (&hi)[3], const FourOf& p) {
+  v4 sum = {};
+  for (int a = 0; a < 3; ++a) {
+    const v4 out = larger(lo[a] - p.at[a], p.at[a] - hi[a]) - p.off[a];
+    const v4 d = larger(out, v4{});
+    sum += d * d;
+  }
+  return sum * (1 - 0x1p-20f);
 }
 
 }  // namespace
@@ -47,7 +61,54 @@ Bvh::Bvh(std::span<const Vec3> X_mm, std::span<const Tri> tri, std::span<const i
   node_.reserve(order_.size());
   build(0, int32_t(order_.size()), centre);
   node_.shrink_to_fit();
+  four_.reserve(order_.size() / 2 + 1);
+  widen(0);
+  four_.shrink_to_fit();
   fit();
+}
+
+// A node's children and, as far as there is room, theirs; of a leaf its triangles.
+int32_t Bvh::widen(int32_t at) {
+  const int32_t self = int32_t(four_.size());
+  four_.emplace_back();
+  const Node& node = node_[size_t(at)];
+  Four four;
+  if (node.count > 0) {
+    for (int32_t i = node.first; i < node.first + node.count; ++i, ++four.count)
+      four.child[size_t(four.count)] = ~order_[size_t(i)];
+  } else {
+    for (const int32_t child : {at + 1, node.second}) {
+      const Node& c = node_[size_t(child)];
+      if (c.count > 0) {
+        four.node[size_t(four.count++)] = child;
+      } else {
+        four.node[size_t(four.count++)] = child + 1;
+        four.node[size_t(four.count++)] = c.second;
+      }
+    }
+    for (int32_t k = 0; k < four.count; ++k) four.child[size_t(k)] = widen(four.node[size_t(k)]);
+  }
+  four_[size_t(self)] = four;
+  return self;
+}
+
+void Bvh::fit_fours() {
+  for (Four& f : four_)
+    for (int k = 0; k < 4; ++k)
+      for (int a = 0; a < 3; ++a) {
+        float lo = kInf, hi = -kInf;
+        const int32_t child = f.child[size_t(k)];
+        if (k < f.count && child >= 0) {
+          const Node& n = node_[size_t(f.node[size_t(k)])];
+          lo = n.lo[a], hi = n.hi[a];
+        } else if (k < f.count) {
+          double from = double(kInf), to = -double(kInf);
+          for (int32_t v : tri_[size_t(~child)])
+            from = std::min(from, x_[size_t(v)][a]), to = std::max(to, x_[size_t(v)][a]);
+          lo = below(from), hi = above(to);
+        }
+        f.lo[a][k] = lo, f.hi[a][k] = hi;
+      }
 }
 
 int32_t Bvh::build(int32_t first, int32_t count, std::span<const Vec3> centre) {
@@ -93,6 +154,7 @@ void Bvh::fit() {
       n.hi = a.hi.cwiseMax(b.hi);
     }
   }
+  fit_fours();
 }
 
 void Bvh::refit(std::span<const Vec3> x_mm) {
@@ -119,37 +181,40 @@ Bvh::Closest Bvh::closest(const Vec3& p, double max_distance_mm) const {
   Closest best;
   if (node_.empty()) return best;
   double best2 = max_distance_mm * max_distance_mm;
+  const auto look_at = [&](int32_t t) {
+    const Tri& c = tri_[size_t(t)];
+    const TrianglePoint q = closest_on_triangle(p, x_[size_t(c[0])], x_[size_t(c[1])], x_[size_t(c[2])]);
+    const double d2 = (q.point - p).squaredNorm();
+    if (d2 < best2 || (d2 == best2 && (best.triangle < 0 || t < best.triangle))) {
+      best2 = d2;
+      best.triangle = t;
+      best.point_mm = q.point;
+      best.bary = q.bary;
+    }
+  };
+  const FourOf at(p);
   struct Item {
-    int32_t node;
-    double d2;
+    int32_t child;
+    float d2;
   } stack[kStack];
   int n = 0;
-  stack[n++] = {0, box_distance2(node_[0].lo, node_[0].hi, p)};
+  stack[n++] = {0, 0};
   while (n > 0) {
     const Item it = stack[--n];
-    if (it.d2 > best2) continue;
-    const Node& node = node_[size_t(it.node)];
-    if (node.count > 0) {
-      for (int32_t i = node.first; i < node.first + node.count; ++i) {
-        const int32_t t = order_[size_t(i)];
-        const Tri& c = tri_[size_t(t)];
-        const TrianglePoint q = closest_on_triangle(p, x_[size_t(c[0])], x_[size_t(c[1])], x_[size_t(c[2])]);
-        const double d2 = (q.point - p).squaredNorm();
-        if (d2 < best2 || (d2 == best2 && (best.triangle < 0 || t < best.triangle))) {
-          best2 = d2;
-          best.triangle = t;
-          best.point_mm = q.point;
-          best.bary = q.bary;
-        }
-      }
+    if (double(it.d2) > best2) continue;
+    if (it.child < 0) {
+      look_at(~it.child);
       continue;
     }
-    Item a{it.node + 1, 0}, b{node.second, 0};
-    a.d2 = box_distance2(node_[size_t(a.node)].lo, node_[size_t(a.node)].hi, p);
-    b.d2 = box_distance2(node_[size_t(b.node)].lo, node_[size_t(b.node)].hi, p);
-    if (a.d2 < b.d2) std::swap(a, b);  // the nearer one is looked at first
-    stack[n++] = a;
-    stack[n++] = b;
+    const Four& f = four_[size_t(it.child)];
+    const v4 d2 = distances2(f.lo, f.hi, at);
+    const int first = n;
+    for (int k = 0; k < f.count; ++k) {  // the nearest one is looked at first
+      if (double(d2[k]) > best2) continue;
+      int to = n++;
+      for (; to > first && stack[to - 1].d2 < d2[k]; --to) stack[to] = stack[to - 1];
+      stack[to] = {f.child[size_t(k)], d2[k]};
+    }
   }
   if (best.triangle >= 0) best.distance_mm = std::sqrt(best2);
   return best;

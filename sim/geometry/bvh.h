@@ -9,6 +9,7 @@
 //
 // Nodes are stored depth first, a parent before its children, split at the median, so the depth is at most
 // log2(n) + 1 and every walk runs on a fixed stack. Boxes are floats rounded outwards; triangles are tested in double.
+// closest() walks a wider tree of the same nodes, four boxes at a time, down to boxes of single triangles.
 // The same input gives the same tree and the same answers everywhere (ties go to the lower triangle index).
 #include <array>
 #include <cstdint>
@@ -16,6 +17,7 @@
 #include <span>
 #include <vector>
 
+#include "sim/base/node4.h"
 #include "sim/geometry/vec.h"
 
 namespace limberg {
@@ -90,8 +92,16 @@ class Bvh {
              hi.z() >= a.z();
     }
   };
+  struct Four {  // children, side by side; those beyond `count` are empty
+    v4 lo[3], hi[3];
+    std::array<int32_t, 4> child{};  // another of these, or ~ of a triangle
+    std::array<int32_t, 4> node{};   // whose box it is; of a triangle its own
+    int32_t count = 0;
+  };
   int32_t build(int32_t first, int32_t count, std::span<const Vec3> centre);
+  int32_t widen(int32_t node);
   void fit();
+  void fit_fours();
   bool triangle_meets(int32_t t, const Vec3& lo, const Vec3& hi) const;
   template <class Visit>
   void walk_line(const Vec3& o, const Vec3& d, double t0, double t1, Visit&& visit) const;
@@ -100,6 +110,7 @@ class Bvh {
   std::vector<Tri> tri_;
   std::vector<int32_t> order_;
   std::vector<Node> node_;
+  std::vector<Four> four_;  // the first is the root
 };
 
 }  // namespace limberg

@@ -136,8 +136,8 @@ struct StencilTable::Made {
   Stencil stencil;
   double body_mm3 = 0;
   std::shared_ptr<LayeredCell> layered;
-  uint8_t held = 0;                // corners
-  std::vector<double> region_mm3;  // what each region takes; empty: nothing
+  uint8_t held = 0;                  // corners
+  std::vector<double> region_mm3{};  // what each region takes; empty: nothing
 };
 
 StencilTable::~StencilTable() = default;

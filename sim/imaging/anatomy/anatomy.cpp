@@ -19,6 +19,7 @@ constexpr double kAtlasBrain_mm[3] = {0, 0, 55};  // middle of the synthetic hea
 constexpr double kTilts_deg[] = {0, -15, 15, -30, 30};
 // So much lower lies the middle of a hollow whose vault is not in the picture.
 constexpr double kCut_mm[] = {0, 25, 50};
+constexpr int kPatience = 40;         // shapes of two people: trimmed pairs change for ever, and the rest stays
 constexpr double kPatch_mm = 30;      // of the synthetic head around a landmark
 constexpr double kPatchMove_mm = 15;  // that it may go
 constexpr double kMostScale = 0.2;    // heads of all ages from four years on are within it (head lengths, Farkas 1994)
@@ -74,7 +75,7 @@ struct Seeker {
     const SurfaceTarget model(whole);
     const Vec3 brain(kAtlasBrain_mm[0], kAtlasBrain_mm[1], kAtlasBrain_mm[2]);
     IcpSettings quick;
-    quick.keep = 0.7, quick.samples = 2000, quick.iterations = 60;
+    quick.keep = 0.7, quick.samples = 2000, quick.iterations = 60, quick.patience = kPatience;
     double least = std::numeric_limits<double>::infinity();
     std::string reason = "no way was tried";
     Similarity best;
@@ -105,7 +106,7 @@ struct Seeker {
     const auto sound = [](const IcpResult& r) { return r && std::abs(r.map.scale - 1) <= kMostScale; };
     const SurfaceTarget model(like);
     IcpSettings s;
-    s.keep = 0.7, s.samples = 8000, s.iterations = 200;
+    s.keep = 0.7, s.samples = 8000, s.iterations = 200, s.patience = kPatience;
     IcpSettings growing = s;
     growing.with_scale = true;
     Similarity from = start;
@@ -185,7 +186,7 @@ struct Seeker {
   /// The frame with Frankfort's horizontal; `turn`: what it is nearly.
   Eigen::Isometry3d frame_of(const Mat3& turn) {
     IcpSettings s;
-    s.samples = 6000, s.iterations = 100;
+    s.samples = 6000, s.iterations = 100, s.patience = kPatience;
     Vec3 x = turn.row(0);
     const MirrorPlane plane = mirror_plane(patient.skull, x, s, workers);
     Vec3 through = Vec3::Zero();

@@ -7,6 +7,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "sim/base/elementary.h"
 #include "sim/base/error.h"
@@ -27,6 +28,7 @@ constexpr size_t kNeighbours = 12;     // of a point, for its plane
 constexpr size_t kFewest = 10;         // points that say something of a shape: six unknowns, and some to spare
 constexpr double kLine = 0.02;         // of the longest spread: less across it is a line
 constexpr double kPolish_mm = 0.02;    // a motion below it: the trimmed pairs have brought the surfaces together
+constexpr double kGain = 1e-4;         // of the root mean square: less is none
 
 Mat3 spread_of(const std::vector<Vec3>& x, const Vec3& m) {
   Mat3 S = Mat3::Zero();
@@ -212,6 +214,8 @@ IcpResult icp(const Surface& moved, const SurfaceTarget& target, const Similarit
   std::vector<Pair> pair(x.size());
   std::vector<size_t> order;
   bool polish = false;
+  double least = std::numeric_limits<double>::infinity();
+  int gained = 0;  // the iteration in which it was found
   for (r.iterations = 0; r.iterations < s.iterations && !r.still; ++r.iterations) {
     workers.parallel_for(x.size(), 256, [&](size_t b, size_t e) {
       for (size_t i = b; i < e; ++i) pair[i].at = r.map(x[i]), pair[i].to = target.closest(pair[i].at);
@@ -255,6 +259,10 @@ IcpResult icp(const Surface& moved, const SurfaceTarget& target, const Similarit
       A += row * row.transpose(), g += d * row, sum += d * d;
     }
     r.rms_mm = std::sqrt(sum / double(order.size()));
+    if (r.rms_mm < (1 - kGain) * least)
+      least = r.rms_mm, gained = r.iterations;
+    else if (polish && s.patience > 0 && r.iterations - gained >= s.patience)
+      break;
     const int unknowns = s.with_scale ? 7 : 6;
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eig(A.topLeftCorner(unknowns, unknowns));
     const Eigen::VectorXd& l = eig.eigenvalues();

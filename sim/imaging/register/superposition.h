@@ -88,7 +88,8 @@ class SurfaceTarget {
 struct IcpSettings {
   double keep = 0.7;  // share of the pairs
   int iterations = 200;
-  double still_mm = 1e-3;  // ends when no sample moves farther
+  double still_mm = 1e-3;  // ends when no sample moves farther,
+  int patience = 0;        // or when so many iterations have brought the rms down by less than 1e-4 of it; 0: never so
   bool with_scale = false;
   int samples = 8000;  // at most, of the vertices of the surface that is moved (evenly by number)
 };
