@@ -26,8 +26,9 @@ struct ColliderSpec {
   bool closed = true;             // false: it may be open and look either way
 };
 
-/// Throws InputError, with file and line, where the surface is open at an edge, looks inwards or is longer than 1 m. It
-/// may have several parts, which may run through each other; polygons are taken as fans.
+/// Throws InputError, with file and line, where the surface is open at an edge, holds no volume or is longer than 1 m.
+/// One that is inside out as a whole is turned. It may have several parts, which may run through each other; polygons
+/// are taken as fans.
 std::shared_ptr<const Collider> load_collider(const ColliderSpec& spec);
 /// The same from text; spec.path is only the name in messages.
 std::shared_ptr<const Collider> parse_collider(std::string_view text, const ColliderSpec& spec);

@@ -8,6 +8,7 @@
 #include "sim/base/error.h"
 #include "sim/body/block.h"
 #include "sim/contact/collider_contacts.h"
+#include "sim/geometry/enclosed_volume.h"
 #include "sim/measure/patient.h"
 #include "sim/patient/soft_tissue.h"
 #include "sim/patient/world.h"
@@ -235,7 +236,20 @@ TEST(Colliders, ColoursOfVerticesAreReadWhereAllHaveThem) {
   EXPECT_TRUE(colours(" 1 0 nan", " 0 .5 0").empty());
 }
 
-TEST(Colliders, OpenInwardOrEndlessSurfacesAreRefusedWithTheirLine) {
+TEST(Colliders, OneThatIsInsideOutIsTurned) {
+  const std::string corners = "v 0 0 0\nv 3 0 0\nv 0 2 0\nv 0 0 1\n";
+  ColliderSpec spec;
+  const auto out = parse_collider(corners + "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n", spec);
+  const auto in = parse_collider(corners + "f 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n", spec);
+  EXPECT_NEAR(enclosed_volume(out->mesh.X_mm, out->mesh.tri), 1, 1e-12);
+  EXPECT_NEAR(enclosed_volume(in->mesh.X_mm, in->mesh.tri), 1, 1e-12);
+  spec.closed = false;  // may look either way
+  EXPECT_NEAR(
+      enclosed_volume(in->mesh.X_mm, parse_collider(corners + "f 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n", spec)->mesh.tri),
+      -1, 1e-12);
+}
+
+TEST(Colliders, OpenFlatOrEndlessSurfacesAreRefusedWithTheirLine) {
   const auto why = [](const std::string& text, double scale = 1) -> std::string {
     ColliderSpec spec;
     spec.path = "c.obj", spec.scale_to_mm = scale;
@@ -251,7 +265,7 @@ TEST(Colliders, OpenInwardOrEndlessSurfacesAreRefusedWithTheirLine) {
   EXPECT_EQ(why(corners + three + "f 3 1 4\nf 1 1 2\n").substr(0, 8), "c.obj:9:");
   EXPECT_NE(why(corners + three).find("open at an edge"), std::string::npos);
   EXPECT_NE(why(corners + three + "f 1 3 4\n").find("run the same way"), std::string::npos);
-  EXPECT_NE(why(corners + "f 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n").find("look outwards"), std::string::npos);
+  EXPECT_NE(why("v 0 0 0\nv 3 0 0\nv 0 2 0\nf 1 2 3\nf 3 2 1\n").find("around some volume"), std::string::npos);
   EXPECT_NE(why(corners + three + "f 3 1 4\n", 1000).find("at most 1000"), std::string::npos);
   EXPECT_NE(why(corners).find("no faces"), std::string::npos);
 }
