@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <map>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "sim/base/error.h"
@@ -67,15 +66,15 @@ std::shared_ptr<const Collider> parse_collider(std::string_view text, const Coll
     throw InputError(spec.path, 0,
                      fmt::format("the {} is {:g} mm long; expected at most {:g} (is the scale right?)", spec.what,
                                  longest, kLongest_mm));
-  if (spec.closed) check_closed(m, line, spec);
-  const double volume_mm3 = enclosed_volume(m.X_mm, m.tri);
-  if (spec.closed && volume_mm3 < 0)  // inside out, as mirroring leaves it
-    for (Tri& t : m.tri) std::swap(t[1], t[2]);
-  if (spec.closed && !(std::abs(volume_mm3) > kLeast_mm3))
-    throw InputError(spec.path, 0,
-                     fmt::format("the {} holds {:g} mm3; expected a surface around some volume, its faces all "
-                                 "counter-clockwise seen from outside",
-                                 spec.what, std::abs(volume_mm3)));
+  if (spec.closed) {
+    check_closed(m, line, spec);
+    turn_outwards(m);
+    if (const double volume_mm3 = enclosed_volume(m.X_mm, m.tri); !(volume_mm3 > kLeast_mm3))
+      throw InputError(spec.path, 0,
+                       fmt::format("the {} holds {:g} mm3; expected a surface around some volume, its faces all "
+                                   "counter-clockwise seen from outside",
+                                   spec.what, volume_mm3));
+  }
   std::erase_if(m.tri, [&](const Tri& t) {  // they have no side
     return !(area_vector2(m.X_mm[size_t(t[0])], m.X_mm[size_t(t[1])], m.X_mm[size_t(t[2])]).norm() > 0);
   });

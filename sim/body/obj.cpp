@@ -179,14 +179,6 @@ void to_grid(RawMesh& raw, const ObjSpec& spec, Body& body, std::vector<int32_t>
     throw InputError(spec.path, 0, "every face collapses on the rest grid; expected a surface (is the scale right?)");
 }
 
-/// Programs that mirror a mesh leave it inside out: a closed surface has but one outside. True: it was turned.
-bool turn_outwards(TriMesh& m) {
-  if (!(enclosed_volume(m.X_mm, m.tri) < 0)) return false;
-  for (Tri& t : m.tri) std::swap(t[1], t[2]);
-  for (auto& uv : m.uv) std::swap(uv[1], uv[2]);
-  return true;
-}
-
 void tag_by_direction(TriMesh& m, const ObjSpec& spec) {
   const Vec3 deep = spec.deep_direction.normalized();
   const double c = elementary::cos(spec.deep_angle_deg * std::numbers::pi / 180);

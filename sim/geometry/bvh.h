@@ -95,7 +95,7 @@ class Bvh {
   struct Four {  // children, side by side; those beyond `count` are empty
     v4 lo[3], hi[3];
     std::array<int32_t, 4> child{};  // another of these, or ~ of a triangle
-    std::array<int32_t, 4> node{};   // whose box it is; of a triangle its own
+    std::array<int32_t, 4> node{};   // whose box it is; of a triangle: unused
     int32_t count = 0;
   };
   int32_t build(int32_t first, int32_t count, std::span<const Vec3> centre);

@@ -1,5 +1,6 @@
 #pragma once
 #include <span>
+#include <utility>
 
 #include "sim/geometry/tri_mesh.h"
 #include "sim/geometry/vec.h"
@@ -17,6 +18,14 @@ inline double enclosed_volume(std::span<const Vec3> points, std::span<const Tri>
     six += a.dot(b.cross(c));
   }
   return six / 6;
+}
+
+/// Programs that mirror a mesh leave it inside out: a closed surface has but one outside. True: it was turned.
+inline bool turn_outwards(TriMesh& m) {
+  if (!(enclosed_volume(m.X_mm, m.tri) < 0)) return false;
+  for (Tri& t : m.tri) std::swap(t[1], t[2]);
+  for (auto& uv : m.uv) std::swap(uv[1], uv[2]);
+  return true;
 }
 
 }  // namespace limberg

@@ -116,6 +116,13 @@ Vec3 slope_of_thicker(const CellSamples& samples, const Vec3& h) {
   return out;
 }
 
+// A corner of a part, on the grid of its level, and in eighths of a cell.
+Int3 corner_of(Int3 at, int k) { return {at.x + (k & 1), at.y + (k >> 1 & 1), at.z + (k >> 2 & 1)}; }
+Int3 in_eighths(Int3 corner, int level) {
+  const int32_t size = kEighths >> level;
+  return {size * corner.x, size * corner.y, size * corner.z};
+}
+
 // Samples of a cell of one layer that only the held surface cuts: from the distances of its corners.
 CellSamples above_held(const HeldCorners& held, const Skin::Place& place) {
   CellSamples out;
@@ -608,14 +615,12 @@ HeldCorners StencilTable::held_corners(Int3 cell) {
 HeldCorners StencilTable::held_part(const LatticeGrid& grid, Int3 at, int level, uint8_t of) const {
   HeldCorners c;
   if (held_surface_.empty()) return c;
-  const int32_t size = kEighths >> level;
   std::array<Int3, 8> corner;
   std::array<uint8_t, 8> may{};
   bool any = false;
   for (int k = 0; k < 8; ++k) {
-    const Int3 n{at.x + (k & 1), at.y + (k >> 1 & 1), at.z + (k >> 2 & 1)};
-    corner[size_t(k)] = n;
-    may[size_t(k)] = fixed_candidate({size * n.x, size * n.y, size * n.z});
+    corner[size_t(k)] = corner_of(at, k);
+    may[size_t(k)] = fixed_candidate(in_eighths(corner[size_t(k)], level));
     any = any || may[size_t(k)];
   }
   if (!any) return c;
@@ -700,10 +705,8 @@ void StencilTable::make_ready(std::span<const CellPlace> places, Workers& worker
     if (!is_new) continue;
     wanted.push_back({place, part.of_row, &it->second});
     if (is_block_ || held_surface_.empty()) continue;
-    const int32_t size = kEighths >> place.level;  // where its corners may be held is noted by one thread
-    for (int k = 0; k < 8; ++k)
-      fixed_candidate(
-          {size * (place.at.x + (k & 1)), size * (place.at.y + (k >> 1 & 1)), size * (place.at.z + (k >> 2 & 1))});
+    for (int k = 0; k < 8; ++k)  // noted by one thread, for those that follow
+      fixed_candidate(in_eighths(corner_of(place.at, k), place.level));
   }
   workers.parallel_for(wanted.size(), kPartsAtOnce, [&](size_t from, size_t to) {
     for (size_t i = from; i < to; ++i)

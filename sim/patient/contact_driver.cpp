@@ -14,12 +14,11 @@ constexpr double kMoveOfContacts_mm = 1.5;
 }  // namespace
 
 struct ContactDriver::Finders {
-  uint64_t version = 0;
+  uint64_t version = 0;                         // of the surface
   std::unique_ptr<ContactFinder> walls;         // absent: there is no wall
   std::unique_ptr<ColliderContacts> colliders;  // absent: none is near
 
   void make(const TissueVersion& of, double friction) {
-    version = of.surface->version;
     const SurfaceTopology& surface = *of.surface;
     if (auto found = contact_surface({of.surface, &surface.view}, surface.embedding, of.lattice, *of.model))
       walls = std::make_unique<ContactFinder>(std::move(found), *of.model, friction);
@@ -33,22 +32,23 @@ struct ContactDriver::Finders {
 void ContactDriver::prepare(const TissueVersion& next) {
   if (tissue_.spec().contact == ContactChoice::off) return;
   prepared_ = std::make_shared<Finders>();
+  prepared_->version = next.surface->version;
   preparing_ = tissue_.workers().submit(
       [next, made = prepared_, friction = tissue_.spec().contact_friction] { made->make(next, friction); });
 }
 
-// What was prepared is taken if it is of this surface; the solver makes its metric while it waits for it.
+// What was prepared is taken if it is of this surface: while that is on its way the solver makes its metric.
 ContactDriver::Finders ContactDriver::take_finders(const StepSettings& settings) {
   const TissueVersion& now = tissue_.version();
-  Finders out;
   const auto job = std::exchange(preparing_, nullptr);
   const auto made = std::exchange(prepared_, nullptr);
-  if (job && !job->done()) tissue_.solver().make_ready(settings);
-  if (job) job->wait();
-  if (made && made->version == now.surface->version)
-    out = std::move(*made);
-  else
-    out.make(now, tissue_.spec().contact_friction);
+  if (made && made->version == now.surface->version) {
+    if (!job->done()) tissue_.solver().make_ready(settings);
+    job->wait();
+    return std::move(*made);
+  }
+  Finders out;
+  out.make(now, tissue_.spec().contact_friction);
   return out;
 }
 

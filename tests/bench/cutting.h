@@ -12,7 +12,7 @@
 //                mm: arrangement, lattice, finite elements, surface that is drawn; and
 //                what the solver then does with the model, which has bars of its own
 //   fronts       where a slit that ends inside lattice cells really opens, with and without divided cells (fronts.h)
-//   drawn        an incision of 110 mm that is drawn live on a face (cutting_drawn.cpp), by the clock
+//   drawn        an incision of 91 mm that is drawn live on a face (cutting_drawn.cpp), by the clock
 //   memory       of the arrangement, per triangle
 //
 // What is fair and what is not: ours keeps a box tree over the triangles of the body from cut
@@ -28,8 +28,8 @@ namespace limberg::bench {
 
 struct CuttingSettings {
   bool quick = false;  // small slabs, few repeats: behaviour, not time; the bars that need size are left out
-  std::string
-      only;  // parts whose name contains this: arrangement, history, crossing, whole cut, fronts, drawn; empty: all
+  /// Parts whose name contains this: arrangement, history, crossing, whole cut, fronts, drawn; empty: all.
+  std::string only;
   std::string cgal_program;                          // empty: the helper beside the running program
   std::function<void(const std::string&)> progress;  // empty: silent
 };

@@ -272,7 +272,7 @@ Body block(double stretch, bool layered) {
   return make_block(spec);
 }
 
-/// Chunks from the last to the first, and which of them there were.
+/// Workers that go through the chunks of a loop from the last to the first, and count them.
 class LastFirst final : public Workers {
  public:
   int count() const override { return 2; }
