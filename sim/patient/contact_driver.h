@@ -36,9 +36,8 @@ class ContactDriver {
  private:
   struct Finders;  // of one version of the surface
   Finders take_finders(const StepSettings& settings);
-  bool follow(
-      bool step_begins,
-      const StepSettings& settings);  // true when the solver has others now; nothing is done where nothing can touch
+  /// True when the solver has others now. Nothing is done where nothing can touch.
+  bool follow(bool step_begins, const StepSettings& settings);
   std::span<const Contact> held_apart() const;  // what the solver has
   bool any() const { return finder_ || colliders_; }
   bool any_near() const { return (finder_ && finder_->any_near()) || (colliders_ && colliders_->any_near()); }
