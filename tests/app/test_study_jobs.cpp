@@ -178,7 +178,9 @@ TEST_F(Jobs, AProcessThatTakesTooLongIsEnded) {
 
 // A member that hangs, or takes more memory than it may, is one that failed, in words; the others are done.
 TEST_F(Jobs, LimitsMakeFailedMembersOfSlowAndLargeOnes) {
-  const std::string slow = "study disc --set along=1.1,1.2 --set across=1.05 --set cell_mm=2.5 ";  // of some seconds
+  // The largest disc of the finest cells: it takes seconds, so whoever looks every .02 s finds it running.
+  const std::string slow =
+      "study disc --set along=1.1,1.2 --set across=1.05 --set cell_mm=1.5 --set radius_mm=30 --set depth_mm=6 ";
   EXPECT_EQ(limberg(slow + "--limit 0.001 --retries 1 --out " + path("slow")), 3);
   EXPECT_NE(slurp(".err").find("took longer than 0.001 s"), std::string::npos) << slurp(".err");
   EXPECT_NE(slurp("slow/progress.log").find("0 of 2 done, 0 running, 2 failed, 2 tried again"), std::string::npos)
