@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
+#include "devices/drawn_curve.h"
 #include "sim/base/elementary.h"
 #include "sim/geometry/overrun.h"
 #include "sim/geometry/polyline.h"
@@ -128,18 +130,58 @@ std::vector<Vec2> without_repeats(const std::vector<Vec2>& points) {
   return p;
 }
 
+/// What lies between two corners: an edge, or a curve that began as several.
+struct Side {
+  Line begin, end;         // its tangents there; an edge's are both its line
+  std::vector<Vec2> bend;  // of a curve, without its ends
+  size_t last;             // the knot where it ends
+};
+
+/// From knot k to knot `to`. What is too short or too odd to be a curve stays the edges that it was: an empty side.
+std::optional<Side> curve(const Course& course, size_t k, size_t to, const PathSettings& s) {
+  constexpr double kAtEnds_mm = 0.5;  // a corner is moved by about so much
+  const DrawnCurve c = drawn_curve(course, k, to, s.tolerance_mm);
+  if (c.at.size() < 3) return {};
+  Side side{{c.at.front(), c.tangent_at_begin}, {c.at.back(), c.tangent_at_end}, {}, to};
+  for (const Vec2& q : c.at)
+    if ((q - c.at.front()).norm() > kAtEnds_mm && (q - c.at.back()).norm() > kAtEnds_mm) side.bend.push_back(q);
+  return side;
+}
+
+std::vector<Side> sides_of(const std::vector<Vec2>& p, const std::vector<size_t>& knot, const PathSettings& s) {
+  const Course course = course_of(p, knot);
+  std::vector<Side> sides;
+  for (size_t k = 0; k + 1 < knot.size();) {
+    size_t to = k + 1;
+    while (to + 1 < knot.size() && bends_at(course, to, s.tolerance_mm)) ++to;
+    std::optional<Side> curved;
+    if (to > k + 1 || is_arc(course, k, s.tolerance_mm)) curved = curve(course, k, to, s);
+    if (curved) {
+      sides.push_back(std::move(*curved));
+    } else {
+      for (size_t i = k; i < to; ++i) {
+        const Line line = fit(p, knot[i], knot[i + 1]);
+        sides.push_back({line, line, {}, i + 1});
+      }
+    }
+    k = to;
+  }
+  return sides;
+}
+
 }  // namespace
 
 std::vector<Vec2> simplify_path(const std::vector<Vec2>& points, const PathSettings& s) {
   const std::vector<Vec2> p = without_repeats(points);
   if (p.size() < 2) return p;
   const std::vector<size_t> knot = knots_of(p, 0, s);
-  std::vector<Line> edge;
-  for (size_t i = 0; i + 1 < knot.size(); ++i) edge.push_back(fit(p, knot[i], knot[i + 1]));
-  std::vector<Vec2> out;
-  out.push_back(edge.front().foot(p.front()));
-  for (size_t i = 1; i + 1 < knot.size(); ++i) out.push_back(corner(edge[i - 1], edge[i], p[knot[i]], s));
-  out.push_back(edge.back().foot(p.back()));
+  const std::vector<Side> sides = sides_of(p, knot, s);
+  std::vector<Vec2> out{sides.front().begin.foot(p.front())};
+  for (size_t i = 0; i < sides.size(); ++i) {
+    out.insert(out.end(), sides[i].bend.begin(), sides[i].bend.end());
+    if (i + 1 < sides.size()) out.push_back(corner(sides[i].end, sides[i + 1].begin, p[knot[sides[i].last]], s));
+  }
+  out.push_back(sides.back().end.foot(p.back()));
   return out;
 }
 

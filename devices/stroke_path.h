@@ -1,5 +1,5 @@
 #pragma once
-// From a hand-drawn stroke to the path that was meant: straight edges straight, corners where they were drawn.
+// From a hand-drawn stroke to the path that was meant: straight edges straight, corners where they were drawn, arcs round.
 #include <vector>
 
 #include "sim/geometry/vec.h"
@@ -15,8 +15,11 @@ struct PathSettings {
 
 /// Open path: Douglas-Peucker at the tolerance, then each edge is fitted by a
 /// line (total least squares over its points, ends left out) and each corner
-/// put where the lines of its edges meet. End points: the end's foot on its
-/// edge's line. Fewer than two points after joining: returned as they are.
+/// put where the lines of its edges meet. Edges that go over into each other
+/// as a curve does, and an edge that is an arc, become a smooth line
+/// (drawn_curve.h), given by points within an eighth of the tolerance of it.
+/// End points: the end's foot on its edge's line or tangent. Fewer than two
+/// points after joining: returned as they are.
 std::vector<Vec2> simplify_path(const std::vector<Vec2>& points, const PathSettings& settings = {});
 
 /// The same for a closed outline; the first point is not repeated at the end. What runs on beyond its own start is cut
