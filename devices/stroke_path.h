@@ -1,5 +1,6 @@
 #pragma once
-// From a hand-drawn stroke to the path that was meant: straight edges straight, corners where they were drawn, arcs round.
+// From a hand-drawn stroke to the path that was meant: straight edges straight, corners where they were drawn, arcs
+// round.
 #include <vector>
 
 #include "sim/geometry/vec.h"

@@ -138,7 +138,8 @@ bool meets_rim(const SurfaceView& view, const Body& body, const Vec3& a_mm, cons
 }  // namespace
 
 // A way along the rim that is hardly longer than the straight one runs along one bank: between two banks it goes round
-// the end of the wound. Across a round hole it may be as short, but there is no skin under it then.
+// the end of the wound. Across a round hole, or the blunt end of one, it may be as short, but there is no skin under it
+// then: none at all, or that of a flap which lies elsewhere now.
 std::vector<int> Sutures::in_one_bank() const {
   constexpr double kStraight = 1.1, kSlack_mm = 0.1;
   std::vector<int> found;
@@ -153,7 +154,12 @@ std::vector<int> Sutures::in_one_bank() const {
         if (const auto way = tissue_.rim().way(*from, *to, forward))
           one |= way->length_mm <= kStraight * (s.a.X_mm - s.b.X_mm).norm() + kSlack_mm;
     std::string reason;
-    if (one && tissue_.find_skin(tissue_.body().to_chart(0.5 * (s.a.X_mm + s.b.X_mm)), reason)) found.push_back(s.id);
+    if (!one) continue;
+    const auto under = tissue_.find_skin(tissue_.body().to_chart(0.5 * (s.a.X_mm + s.b.X_mm)), reason);
+    if (!under) continue;
+    const Vec3 middle_mm = 0.5 * (tissue_.held_mm(s.a) + tissue_.held_mm(s.b));
+    if ((tissue_.position_mm(tissue_.embed(*under)) - middle_mm).norm() <= (s.a.X_mm - s.b.X_mm).norm())
+      found.push_back(s.id);
   }
   return found;
 }

@@ -364,6 +364,24 @@ TEST(Stitch, BothBitesInOneBankAreKnown) {
   EXPECT_EQ(world.skin()->stitches_in_one_bank(), (std::vector<int>{2, 3}));
 }
 
+// The way round the blunt end of a flap's bed is hardly longer than that across it; what a stitch there closes is known
+// by the flap having gone.
+TEST(Stitch, AcrossTheBluntEndOfABedIsNotOneBank) {
+  InlineWorkers workers;
+  World world(block(), workers);
+  must(world, Incise{{{-4, -10}, {-4, 0}, {-3, 1}, {0, 1.4}, {3, 1}, {4, 0}, {4, -10}}, 4, 90});
+  must(world, Suture{{-2.8, 1.8}, {2.8, 1.8}});
+  settle(world);
+  EXPECT_EQ(world.skin()->stitches_in_one_bank(), std::vector<int>{1}) << "the flap lies in its bed";
+  must(world, Undermine{{{-6, -9}, {-6, 4}, {6, 4}, {6, -9}}, 4});
+  must(world, SetHook{1, {0, 0}});
+  for (const double lift_mm : {4.0, 8.0, 12.0}) {
+    must(world, MoveHook{1, {0, -lift_mm, lift_mm}, 0});
+    settle(world);
+  }
+  EXPECT_TRUE(world.skin()->stitches_in_one_bank().empty()) << "the flap is drawn out of it";
+}
+
 TEST(Stitch, ThroughWholeSkinIsTiedAndSaid) {
   InlineWorkers workers;
   World world(block(), workers);
