@@ -117,13 +117,19 @@ struct EmulatedSurgeon::Impl {
     return {touch_at(seen, ends[0].triangle, ends[0].bary, 0), touch_at(seen, ends[1].triangle, ends[1].bary, 0)};
   }
 
-  /// The place on a path in space: on the skin that lies there at rest, the handle as the path says.
+  /// The place on a path in space: on the skin that lies there at rest, the handle as the path says. Between two posts
+  /// a blade stays in their plane, as the cut is told (sim/commands): the nearest skin leaves it where the skin bends.
   Vec3 place_at_rest(const Step& s, double l) {
     const double t = s.length.back() > 0 ? std::clamp(l / s.length.back(), 0.0, 1.0) : 0;
-    const SkinTouch on = sight.skin_at((1 - t) * s.rest_path.front() + t * s.rest_path.back());
+    const Vec3 X = (1 - t) * s.rest_path.front() + t * s.rest_path.back();
+    SkinTouch on;
+    if (!s.shaft.empty()) {
+      wanted_shaft = (1 - t) * s.shaft.front() + t * s.shaft.back();
+      on = sight.skin_under(X, wanted_shaft);
+    }
+    if (on.triangle < 0) on = sight.skin_at(X);
     if (on.triangle < 0) return tip;
     up = on.normal;
-    if (!s.shaft.empty()) wanted_shaft = (1 - t) * s.shaft.front() + t * s.shaft.back();
     if (!s.on_edge) return on.x_mm;
     const auto [a, b] = ends_now(s);
     return a.triangle < 0 || b.triangle < 0 ? on.x_mm : kept_on_edge(on.x_mm, a.x_mm, b.x_mm, t);

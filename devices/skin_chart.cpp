@@ -112,4 +112,27 @@ SkinTouch SkinChart::at_rest(const Snapshot& s, const Vec3& X, double reach_mm, 
   return touch_at(s, triangle, bary, std::sqrt(best));
 }
 
+SkinTouch SkinChart::on_line_at_rest(const Snapshot& s, const Vec3& X, const Vec3& out, double reach_mm) {
+  const SurfaceView& v = s.topology->view;
+  const Vec3 n = out.normalized(), e1 = n.unitOrthogonal(), e2 = n.cross(e1);
+  int32_t triangle = -1;
+  std::array<double, 3> bary{1, 0, 0};
+  double best = reach_mm;
+  for (const int32_t t : s.topology->index(Ground::skin).triangle) {
+    const Tri& k = v.tri[size_t(t)];
+    Vec3 corner[3];
+    Vec2 across[3];
+    for (size_t i = 0; i < 3; ++i)
+      corner[i] = v.X_mm[size_t(k[i])] - X, across[i] = Vec2(corner[i].dot(e1), corner[i].dot(e2));
+    double area[3], sum = 0;
+    for (size_t i = 0; i < 3; ++i) sum += area[i] = cross2(across[(i + 1) % 3], across[(i + 2) % 3]);
+    if (!(sum > 0) || area[0] < 0 || area[1] < 0 || area[2] < 0) continue;
+    double along = 0;
+    for (size_t i = 0; i < 3; ++i) along += area[i] / sum * corner[i].dot(n);
+    if (std::abs(along) < best)
+      best = std::abs(along), triangle = t, bary = {area[0] / sum, area[1] / sum, area[2] / sum};
+  }
+  return touch_at(s, triangle, bary, best);
+}
+
 }  // namespace limberg

@@ -26,6 +26,9 @@ class SkinChart {
   /// The skin nearest to X at rest among these triangles; where `out` is given, among those that look along it at rest.
   static SkinTouch at_rest(const Snapshot& s, const Vec3& X_mm, double reach_mm, std::span<const int32_t> triangles,
                            const Vec3* out = nullptr);
+  /// Where the line through X along `out` meets skin that looks that way at rest, nearest to X, in its deformed place;
+  /// triangle -1 where it meets none within reach_mm. O(triangles of skin)
+  static SkinTouch on_line_at_rest(const Snapshot& s, const Vec3& X_mm, const Vec3& out, double reach_mm);
 
  private:
   int cell_x(double x) const;

@@ -19,6 +19,10 @@ struct Sight {
   bool open() const { return seen && seen->topology && seen->x_mm.size() == seen->topology->view.X_mm.size(); }
   SkinTouch skin_at(const ChartPoint& c, double slack_mm) const { return chart.at(*seen, c, slack_mm); }
   SkinTouch skin_at(const Vec3& X_mm) const { return SkinChart::at_rest(*seen, X_mm, kOffSkin_mm); }
+  /// Where a blade held like this meets it.
+  SkinTouch skin_under(const Vec3& X_mm, const Vec3& shaft) const {
+    return SkinChart::on_line_at_rest(*seen, X_mm, shaft, kOffSkin_mm);
+  }
   const HookState* hook(int id) const;
   const Body& body() const { return *seen->topology->body; }
 };

@@ -116,6 +116,33 @@ TEST(SkinChart, PointsAreFoundWhereTheyLieNow) {
   }
 }
 
+// A blade that leans goes in where its own line meets the skin, not at the skin that is nearest.
+TEST(SkinChart, ABladeThatLeansMeetsTheSkinOnItsOwnLine) {
+  auto map = [](const Vec3& X) { return Vec3(X.x(), X.y() + 7, 0.5 * X.x()); };
+  const auto topology = flat_topology(30, 1, [](double x, double y) { return std::hypot(x - 10, y) < 6; });
+  const Snapshot s = snapshot_of(topology, map);
+  Dice dice{6};
+  int met = 0;
+  for (int k = 0; k < 2000; ++k) {
+    const Vec3 X(100 * dice.unit() - 50, 100 * dice.unit() - 50, 4 * dice.unit() - 2);
+    const Vec3 out(1.5 * dice.unit() - 0.75, 1.5 * dice.unit() - 0.75, 1);
+    const Vec3 want = X - X.z() * out;  // where z is 0
+    const SkinTouch t = SkinChart::on_line_at_rest(s, X, out, 5);
+    if (std::hypot(want.x() - 10, want.y()) < 2) {
+      EXPECT_EQ(t.triangle, -1) << "a hole";
+    } else if (std::hypot(want.x() - 10, want.y()) > 10) {
+      ASSERT_GE(t.triangle, 0);
+      EXPECT_LT((t.X_mm - want).norm(), 1e-9);
+      EXPECT_LT((t.x_mm - map(want)).norm(), 1e-4);
+      EXPECT_NEAR(t.distance_mm, std::abs(X.z()) * out.norm(), 1e-9);
+      EXPECT_EQ(SkinChart::on_line_at_rest(s, X, out, 0.99 * t.distance_mm).triangle, -1) << "out of reach";
+      EXPECT_EQ(SkinChart::on_line_at_rest(s, X, -out, 5).triangle, -1) << "from below";
+      ++met;
+    }
+  }
+  EXPECT_GT(met, 1000);
+}
+
 TEST(Gestures, AScalpelStrokeBecomesAnIncision) {
   Hand h(snapshot_of(flat_topology(60, 1)));
   h.choose(Tool::scalpel, {5, 0, 0, 0});
