@@ -1,6 +1,7 @@
 #include "devices/edge_stroke.h"
 
 #include <algorithm>
+#include <functional>
 
 namespace limberg {
 
@@ -13,9 +14,15 @@ size_t EdgeStroke::best() const {
   return b;
 }
 
-void EdgeStroke::begin(SurfaceIndex& index, const Snapshot& s, const Vec3& tip_mm) {
+void EdgeStroke::begin(SurfaceIndex& index, const Snapshot& s, const Vec3& tip_mm, const SkinTouch* first_edge) {
   std::array<SkinTouch, kSheets> near;
-  sheets_ = index.sheets_near(s, tip_mm, kAmong_mm, near);
+  size_t found = index.sheets_near(s, tip_mm, kAmong_mm, near);
+  if (first_edge && found > 1) {
+    const auto same = [&](const SkinTouch& t) { return !SurfaceIndex::edge_between(s, *first_edge, t); };
+    const auto others = std::stable_partition(near.begin(), near.begin() + long(found), std::not_fn(same));
+    if (others != near.begin()) found = size_t(others - near.begin());
+  }
+  sheets_ = found;
   for (size_t i = 0; i < sheets_; ++i) sheet_[i] = {near[i], 0};
   points_ = 0;
   thinned_ = 1;

@@ -23,8 +23,9 @@ class EdgeStroke {
   };
 
   EdgeStroke();
-  /// Every sheet near the tip; at least the nearest, when there is skin.
-  void begin(SurfaceIndex& index, const Snapshot& s, const Vec3& tip_mm);
+  /// Every sheet near the tip; at least the nearest, when there is skin. With a place of the edge that this one is to
+  /// be sewn to: not the skin on which that lies, unless there is no other. O(triangles) then.
+  void begin(SurfaceIndex& index, const Snapshot& s, const Vec3& tip_mm, const SkinTouch* first_edge = nullptr);
   /// The hand is here now.
   void follow(const SurfaceIndex& index, const Snapshot& s, const Vec3& tip_mm);
   /// Notes a point when the hand has moved by step_mm since the last (always when step_mm is 0).

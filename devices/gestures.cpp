@@ -48,6 +48,10 @@ ToolEvent Gestures::event(int kind, int64_t tick, const Snapshot& s) const {
 
 void Gestures::emit(ToolEvent e, EventSink& out) {
   e.seq = seq_++;
+  // What gives a begun row up, as CommandBuilder sees it.
+  const bool of_a_row = sews_along(Tool(e.tool)) && e.kind < ToolEvent::stroke_cancel;
+  row_begun_ &= of_a_row || (e.kind != ToolEvent::stroke_begin && e.kind != ToolEvent::stroke_cancel &&
+                             e.kind != ToolEvent::undo && e.kind != ToolEvent::redo && e.kind != ToolEvent::told);
   if (!out.push(e)) ++lost_;
 }
 
@@ -370,7 +374,9 @@ void Gestures::press(int64_t tick, const Pose& pose, const Snapshot& s, EventSin
     bite(s, out, tick);
   } else if (sews_along(tool_)) {  // told when it is known on which skin it was drawn
     doing_ = Doing::stroke;
-    edge_.begin(index_, s, meant_tip());
+    const auto from_tip = [&](const SkinTouch& t) { return (t.x_mm - meant_tip()).norm(); };
+    const SkinTouch& nearer = row_edge_[from_tip(row_edge_[1]) < from_tip(row_edge_[0])];
+    edge_.begin(index_, s, meant_tip(), row_begun_ && g_.as_meant ? &nearer : nullptr);
     edge_.note(pose.tip_mm, 0);
   } else if (draws(tool_)) {
     begin_stroke(tick, s, out);
@@ -492,6 +498,12 @@ void Gestures::emit_row(int64_t tick, const Snapshot& s, EventSink& out) {
   }
   if (edge_.size() > 0) emit(event(ToolEvent::stroke_end, tick, s), out);
   touch_ = now;
+  row_begun_ = !row_begun_ && edge_.size() > 0;
+  for (size_t i = 0; i < 2 && row_begun_; ++i) {
+    const EdgeStroke::Point& end = edge_.point(i == 0 ? 0 : edge_.size() - 1);
+    row_edge_[i] = edge_.touched();
+    row_edge_[i].chart = end.chart, row_edge_[i].x_mm = end.x_mm, row_edge_[i].X_mm = end.X_mm, row_edge_[i].N = end.N;
+  }
 }
 
 void Gestures::cancel(int64_t tick, const Snapshot& s, EventSink& out) {

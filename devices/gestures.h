@@ -58,6 +58,9 @@ struct GestureSettings {
   // How far a stroke has come is measured on the skin in space, not on the chart, which sees steep skin shortened, and
   // of several sheets a press means the one that is exactly nearest; false of recordings from before.
   bool in_space = true;
+  // A row's second edge is not on the skin of its first while there is other skin as near; false of recordings from
+  // before.
+  bool as_meant = true;
 };
 
 class Gestures {
@@ -138,6 +141,8 @@ class Gestures {
   std::array<Vec3, kRestTicks> recent_tip_;  // a ring; recent_ ticks of it since tracking began
   size_t recent_ = 0;
   EdgeStroke edge_;                     // of a suture row
+  std::array<SkinTouch, 2> row_edge_;   // the ends of its first edge,
+  bool row_begun_ = false;              // while its second one is waited for
   std::array<SkinTouch, 2> bite_;       // of a stitch that is begun, the last two
   bool corner_waits_ = false;           // for its third bite
   int32_t knotted_ = 0;                 // the thread whose knot was made, until the patient shows it

@@ -35,6 +35,7 @@ struct SessionInfo {
   static constexpr uint64_t kProgressiveCut = 1;  // option: incisions opened while they were drawn
   static constexpr uint64_t kThreadsSlip = 2;     // option: threads slipped that were laid down untied
   static constexpr uint64_t kInSpace = 4;         // option: hands were read as GestureSettings::in_space says
+  static constexpr uint64_t kAsMeant = 8;  // option: likewise, GestureSettings::as_meant and PathSettings::curves
   int64_t tick_ns = 1'000'000;
   int32_t ticks_per_solver_step = 8;
   int32_t ticks_per_frame = 16;

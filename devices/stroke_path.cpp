@@ -153,9 +153,9 @@ std::vector<Side> sides_of(const std::vector<Vec2>& p, const std::vector<size_t>
   std::vector<Side> sides;
   for (size_t k = 0; k + 1 < knot.size();) {
     size_t to = k + 1;
-    while (to + 1 < knot.size() && bends_at(course, to, s.tolerance_mm)) ++to;
+    while (s.curves && to + 1 < knot.size() && bends_at(course, to, s.tolerance_mm)) ++to;
     std::optional<Side> curved;
-    if (to > k + 1 || is_arc(course, k, s.tolerance_mm)) curved = curve(course, k, to, s);
+    if (s.curves && (to > k + 1 || is_arc(course, k, s.tolerance_mm))) curved = curve(course, k, to, s);
     if (curved) {
       sides.push_back(std::move(*curved));
     } else {

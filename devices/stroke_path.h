@@ -12,6 +12,7 @@ struct PathSettings {
   double corner_deg = 20;       // a turn of at least this between two fitted edges is a corner
   double corner_move_mm = 1.0;  // a corner is moved to where its edges' lines meet, at most this far
   double min_edge_mm = 2.0;     // shorter edges are joined to their neighbours
+  bool curves = true;           // false of recordings from before: every curve is a polygon
 };
 
 /// Open path: Douglas-Peucker at the tolerance, then each edge is fitted by a

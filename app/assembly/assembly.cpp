@@ -7,9 +7,9 @@ namespace limberg {
 
 namespace {
 
-GestureSettings gestures(const Scene& scene, bool threads_slip, bool in_space) {
+GestureSettings gestures(const Scene& scene, const AssemblyOptions& o) {
   GestureSettings g;
-  g.threads_slip = threads_slip, g.in_space = in_space;
+  g.threads_slip = o.threads_slip, g.in_space = o.in_space, g.as_meant = o.as_meant;
   g.reach_mm = scene.tools.reach_mm;
   g.default_depth_mm = scene.tools.default_depth_mm;
   g.default_spacing_mm = scene.tools.default_spacing_mm;
@@ -50,7 +50,7 @@ Assembly::Assembly(Scene scene_in, const Calibration& calibration_in, const Asse
       world(make_world(scene, workers)),
       head(world->head()),
       patient(std::make_unique<WorldPatient>(*world, scene.tools.max_depth_mm)),
-      front(calibration, gestures(scene, o.threads_slip, o.in_space)),
+      front(calibration, gestures(scene, o)),
       device(front, channels, o.record, o.record && o.real_time),
       script(open_script(o.script_file, scene)),
       repro(o.repro_dir, blank_repro(scene, scene.cell_mm, scene.seed)),
@@ -59,6 +59,7 @@ Assembly::Assembly(Scene scene_in, const Calibration& calibration_in, const Asse
           SolverSettings{.step = step_settings(scene, o.real_time),
                          .progressive_cut = o.progressive_cut,
                          .in_space = o.in_space,
+                         .as_meant = o.as_meant,
                          .schedule = o.record && o.real_time,
                          .sample_states = o.record,
                          .after_step = steps_watched(o, *world)},

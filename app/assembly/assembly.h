@@ -24,6 +24,7 @@ struct AssemblyOptions {
   bool progressive_cut = false;  // incisions open while they are drawn
   bool threads_slip = true;      // that are laid down untied (gestures.h)
   bool in_space = true;          // acts of the hand where the chart does not see them (command_builder.h)
+  bool as_meant = true;          // drawn curves are curves, a row has two edges (stroke_path.h, gestures.h)
   bool draw_frames = false;      // frames for the sink, not only stages
   PictureSink* sink = nullptr;
   std::string repro_dir;    // where refused cuts leave a file to try them again; empty: nowhere

@@ -179,6 +179,7 @@ std::optional<std::string> of_recording(const FoundSession& session, const Class
   AssemblyOptions o;
   o.workers = how.workers;
   o.progressive_cut = call.progressive_cut, o.threads_slip = call.threads_slip, o.in_space = call.in_space;
+  o.as_meant = call.as_meant;
   o.watch = [&](const World& world, const Command* act, double t_s, const HandState* hands) {
     if (act)
       watcher.act(t_s);

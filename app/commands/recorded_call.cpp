@@ -55,6 +55,7 @@ void take_session(SessionCall& call, const Recording& rec, const std::string& fi
   call.progressive_cut = (rec.session->seeds[2] & SessionInfo::kProgressiveCut) != 0;
   call.threads_slip = (rec.session->seeds[2] & SessionInfo::kThreadsSlip) != 0;
   call.in_space = (rec.session->seeds[2] & SessionInfo::kInSpace) != 0;
+  call.as_meant = (rec.session->seeds[2] & SessionInfo::kAsMeant) != 0;
   call.ticks_per_solver_step = std::max(1, rec.session->ticks_per_solver_step);
   call.expected = rec.checkpoints;
   call.expected_states = rec.states;

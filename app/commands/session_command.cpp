@@ -69,7 +69,8 @@ std::unique_ptr<Recorder> open_recorder(const SessionCall& call, Assembly& a) {
   info.calibration_hash = calibration_hash(a.calibration);
   info.seeds = {a.scene.seed, call.surgeon_seed,
                 (call.progressive_cut ? SessionInfo::kProgressiveCut : 0) |
-                    (call.threads_slip ? SessionInfo::kThreadsSlip : 0) | (call.in_space ? SessionInfo::kInSpace : 0),
+                    (call.threads_slip ? SessionInfo::kThreadsSlip : 0) | (call.in_space ? SessionInfo::kInSpace : 0) |
+                    (call.as_meant ? SessionInfo::kAsMeant : 0),
                 0};
   info.ticks_per_solver_step = a.session_settings().ticks_per_solver_step;
   info.ticks_per_frame = a.session_settings().ticks_per_frame;
@@ -337,6 +338,7 @@ AssemblyOptions assembly_options(const SessionCall& call) {
   o.record = !call.record_file.empty();
   o.real_time = call.real_time;
   o.progressive_cut = call.progressive_cut, o.threads_slip = call.threads_slip, o.in_space = call.in_space;
+  o.as_meant = call.as_meant;
   // Nobody sees frames: a window or a film says so itself. In real time a session with pictures draws them all the
   // same, so that its times are those of a session that is looked at.
   o.draw_frames = call.real_time && !call.common.out_dir.empty();

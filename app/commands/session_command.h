@@ -29,6 +29,7 @@ struct SessionCall {
   bool progressive_cut = false;  // incisions open while they are drawn; recordings say whether they did
   bool threads_slip = true;      // that are laid down untied; recordings from before that say nothing of it
   bool in_space = true;          // acts of the hand; recordings from before that have them all on the chart
+  bool as_meant = true;          // curves, and a row's edges; recordings from before that have polygons
   std::vector<std::unique_ptr<Source>> sources;
   std::vector<LiveSource> live_sources;    // made when the clock starts
   std::shared_ptr<HeadsetShared> headset;  // what a headset among them shows; null: there is none

@@ -33,7 +33,8 @@ SolverLane::SolverLane(Patient& patient, Channels& channels, const SolverSetting
       settings_(settings),
       on_command_(std::move(on_command)),
       on_refusal_(std::move(on_refusal)),
-      builder_(PathSettings{}, settings.progressive_cut, settings.in_space ? patient.ground() : nullptr) {
+      builder_(PathSettings{.curves = settings.as_meant}, settings.progressive_cut,
+               settings.in_space ? patient.ground() : nullptr) {
   series_.reserve(1 << 16);
 }
 

@@ -22,6 +22,7 @@ struct SolverSettings {
   int64_t series_every = 1;      // keep every n-th step's figures
   bool progressive_cut = false;  // an incision opens while it is drawn
   bool in_space = true;          // what the chart does not see is said in space
+  bool as_meant = true;          // drawn curves are curves
   bool schedule = false;         // pass what each step found on to Channels::solver_takes
   int64_t hash_every = 60;       // with `schedule`: the state's hash goes with every n-th step, about once a second
   bool sample_states = false;    // every n-th step's places go to Channels::states

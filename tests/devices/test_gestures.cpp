@@ -396,6 +396,49 @@ TEST(Gestures, ARowIsOnTheSkinThatStaysNearest) {
   }
 }
 
+/// The same, and the topology says where the wound's edges are, at y = -2 and 2.
+Snapshot two_edges() {
+  const auto t = flat_topology(120, 1, [](double, double y) { return std::abs(y) < 2; });
+  for (size_t i = 0; i < t->view.tri.size(); ++i) {
+    uint8_t rim = 0;
+    for (size_t k = 0; k < 3 && t->view.kind[i] == FaceKind::skin; ++k) {
+      const Vec3 &a = t->view.X_mm[size_t(t->view.tri[i][k])], &b = t->view.X_mm[size_t(t->view.tri[i][(k + 1) % 3])];
+      if (std::abs(std::abs(a.y()) - 2) < 1e-9 && a.y() == b.y()) rim |= uint8_t(1 << k);
+    }
+    t->view.rim.push_back(rim);
+  }
+  Snapshot s = two_sheets();
+  s.topology = t;
+  return s;
+}
+
+// Where two edges lie on each other, both strokes of a row may find the same one nearest.
+TEST(Gestures, ARowsSecondEdgeIsNotItsFirst) {
+  const Vec3 left(-10, 4, 0.15), right(10, 4, 0.05);
+  const auto rows = [&](bool as_meant, int strokes) {
+    Hand h(two_edges());
+    GestureSettings set;
+    set.as_meant = as_meant;
+    h.g = Gestures(set);
+    h.choose(Tool::suture_row, {0, 0, 3, 0});
+    std::vector<SutureRow> got;
+    for (int i = 0; i < strokes; ++i) {
+      h.draw(left, right);
+      h.at(right, false);
+    }
+    for (; h.built < h.events.all.size(); ++h.built)
+      if (auto c = h.builder.feed(h.events.all[h.built])) got.push_back(std::get<SutureRow>(*c));
+    return got;
+  };
+  const auto mean_y = [](const std::vector<ChartPoint>& path) { return 0.5 * (path.front().y() + path.back().y()); };
+  const std::vector<SutureRow> meant = rows(true, 2), before = rows(false, 2);
+  ASSERT_EQ(meant.size(), 1u);
+  EXPECT_NEAR(mean_y(meant[0].a), 4, 0.1) << "nearest over all of it";
+  EXPECT_NEAR(mean_y(meant[0].b), -4, 0.1) << "the other one";
+  ASSERT_EQ(before.size(), 1u);
+  EXPECT_NEAR(mean_y(before[0].b), 4, 0.1) << "as recordings from before have it";
+}
+
 TEST(Gestures, AStitchEndsOnOtherSkinThanItBegan) {
   Hand h(two_sheets());
   h.choose(Tool::suture);
