@@ -1,7 +1,6 @@
 #include "devices/edge_stroke.h"
 
 #include <algorithm>
-#include <functional>
 
 namespace limberg {
 
@@ -14,15 +13,30 @@ size_t EdgeStroke::best() const {
   return b;
 }
 
-void EdgeStroke::begin(SurfaceIndex& index, const Snapshot& s, const Vec3& tip_mm, const SkinTouch* first_edge) {
+void EdgeStroke::begin(SurfaceIndex& index, const Snapshot& s, const Vec3& tip_mm) {
   std::array<SkinTouch, kSheets> near;
-  size_t found = index.sheets_near(s, tip_mm, kAmong_mm, near);
-  if (first_edge && found > 1) {
-    const auto same = [&](const SkinTouch& t) { return !SurfaceIndex::edge_between(s, *first_edge, t); };
-    const auto others = std::stable_partition(near.begin(), near.begin() + long(found), std::not_fn(same));
-    if (others != near.begin()) found = size_t(others - near.begin());
-  }
-  sheets_ = found;
+  take(std::span(near).first(index.sheets_near(s, tip_mm, kAmong_mm, near)));
+}
+
+void EdgeStroke::begin_as_meant(SurfaceIndex& index, const Snapshot& s, const Vec3& tip_mm,
+                                const SkinTouch* first_edge) {
+  constexpr double kSamePlace_mm = 0.1;
+  std::array<SkinTouch, kSheets + 1> near;
+  near[0] = index.closest_of_all(s, tip_mm);
+  size_t found = near[0].triangle >= 0;
+  std::array<SkinTouch, kSheets> sheets;
+  for (const SkinTouch& t : std::span(sheets).first(index.sheets_near(s, tip_mm, kAmong_mm, sheets)))
+    if (found == 0 || (t.X_mm - near[0].X_mm).norm() > kSamePlace_mm) near[found++] = t;
+  std::array<SkinTouch, kSheets + 1> others;
+  size_t other = 0;
+  for (size_t i = 0; i < found && first_edge; ++i)
+    if (SurfaceIndex::edge_between(s, *first_edge, near[i])) others[other++] = near[i];
+  if (other > 0) near = others, found = other;
+  take(std::span(near).first(std::min(found, kSheets)));
+}
+
+void EdgeStroke::take(std::span<const SkinTouch> near) {
+  sheets_ = near.size();
   for (size_t i = 0; i < sheets_; ++i) sheet_[i] = {near[i], 0};
   points_ = 0;
   thinned_ = 1;

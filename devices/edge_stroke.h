@@ -5,6 +5,7 @@
 // one is chance. Along a whole stroke it is not: each skin near its beginning is followed by itself, and the one that
 // stayed nearest to the hand is the one that was drawn on. Nothing is allocated after construction.
 #include <array>
+#include <span>
 #include <vector>
 
 #include "devices/surface_index.h"
@@ -23,9 +24,12 @@ class EdgeStroke {
   };
 
   EdgeStroke();
-  /// Every sheet near the tip; at least the nearest, when there is skin. With a place of the edge that this one is to
-  /// be sewn to: not the skin on which that lies, unless there is no other. O(triangles) then.
-  void begin(SurfaceIndex& index, const Snapshot& s, const Vec3& tip_mm, const SkinTouch* first_edge = nullptr);
+  /// Every sheet near the tip; at least the nearest, when there is skin.
+  void begin(SurfaceIndex& index, const Snapshot& s, const Vec3& tip_mm);
+  /// The same, and the exactly nearest skin too: round the end of a wound its two edges hang together, so that they
+  /// are one sheet. With a place of the edge that this one is to be sewn to: not the skin on which that lies, unless
+  /// there is no other. O(triangles)
+  void begin_as_meant(SurfaceIndex& index, const Snapshot& s, const Vec3& tip_mm, const SkinTouch* first_edge);
   /// The hand is here now.
   void follow(const SurfaceIndex& index, const Snapshot& s, const Vec3& tip_mm);
   /// Notes a point when the hand has moved by step_mm since the last (always when step_mm is 0).
@@ -43,6 +47,7 @@ class EdgeStroke {
     SkinTouch touch;
     double sum2 = 0;  // of its distances at the noted points, mm^2
   };
+  void take(std::span<const SkinTouch> near);
   size_t best() const;
   std::array<Sheet, kSheets> sheet_;
   std::vector<Point> point_;  // kPoints per sheet

@@ -376,7 +376,10 @@ void Gestures::press(int64_t tick, const Pose& pose, const Snapshot& s, EventSin
     doing_ = Doing::stroke;
     const auto from_tip = [&](const SkinTouch& t) { return (t.x_mm - meant_tip()).norm(); };
     const SkinTouch& nearer = row_edge_[from_tip(row_edge_[1]) < from_tip(row_edge_[0])];
-    edge_.begin(index_, s, meant_tip(), row_begun_ && g_.as_meant ? &nearer : nullptr);
+    if (g_.as_meant)
+      edge_.begin_as_meant(index_, s, meant_tip(), row_begun_ ? &nearer : nullptr);
+    else
+      edge_.begin(index_, s, meant_tip());
     edge_.note(pose.tip_mm, 0);
   } else if (draws(tool_)) {
     begin_stroke(tick, s, out);
