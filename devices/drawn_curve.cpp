@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "sim/geometry/polyline.h"
@@ -88,27 +89,47 @@ struct Spline {
   }
 };
 
+/// A symmetric matrix whose rows reach three places beyond their diagonal: of row i, those from i to i + 3.
+using Banded = std::vector<std::array<double, 4>>;
+
+/// Solves A x = b in place by the Cholesky decomposition, b's columns side by side; A positive definite. O(rows)
+void solve(Banded& A, Eigen::MatrixX2d& b) {
+  const auto n = Eigen::Index(A.size());
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double root = std::sqrt(A[size_t(i)][0]);
+    for (double& a : A[size_t(i)]) a /= root;
+    for (Eigen::Index j = 1; j < 4 && i + j < n; ++j)
+      for (Eigen::Index k = j; k < 4 && i + k < n; ++k)
+        A[size_t(i + j)][size_t(k - j)] -= A[size_t(i)][size_t(j)] * A[size_t(i)][size_t(k)];
+  }
+  for (Eigen::Index i = 0; i < n; ++i) {
+    b.row(i) /= A[size_t(i)][0];
+    for (Eigen::Index j = 1; j < 4 && i + j < n; ++j) b.row(i + j) -= A[size_t(i)][size_t(j)] * b.row(i);
+  }
+  for (Eigen::Index i = n - 1; i >= 0; --i) {
+    for (Eigen::Index j = 1; j < 4 && i + j < n; ++j) b.row(i) -= A[size_t(i)][size_t(j)] * b.row(i + j);
+    b.row(i) /= A[size_t(i)][0];
+  }
+}
+
 /// By least squares, with so little of their second differences that it only counts where no points are.
 Spline fit(const Course& c, size_t b, size_t e, double from, double to, int spans) {
   Spline spline{from, to, Eigen::MatrixX2d::Zero(spans + 3, 2)};
-  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(spans + 3, spans + 3);
-  Eigen::MatrixX2d rhs = Eigen::MatrixX2d::Zero(spans + 3, 2);
+  Banded A(size_t(spans + 3), {0, 0, 0, 0});
   for (size_t i = b; i < e; ++i) {
     const auto [at, u] = spline.span_at(c.s_mm[i]);
     double value[4], slope[4];
     cubic(u, value, slope);
     for (int j = 0; j < 4; ++j) {
-      rhs.row(at + j) += value[j] * c.at[i].transpose();
-      for (int k = 0; k < 4; ++k) A(at + j, at + k) += value[j] * value[k];
+      spline.control.row(at + j) += value[j] * c.at[i].transpose();
+      for (int k = j; k < 4; ++k) A[size_t(at + j)][size_t(k - j)] += value[j] * value[k];
     }
   }
-  const double stiffness = 1e-6 * double(e - b);
-  for (int i = 0; i + 2 < spans + 3; ++i) {
-    const double difference[3] = {1, -2, 1};
+  const double stiffness = 1e-6 * double(e - b), difference[3] = {1, -2, 1};
+  for (int i = 0; i <= spans; ++i)
     for (int j = 0; j < 3; ++j)
-      for (int k = 0; k < 3; ++k) A(i + j, i + k) += stiffness * difference[j] * difference[k];
-  }
-  spline.control = A.ldlt().solve(rhs);
+      for (int k = j; k < 3; ++k) A[size_t(i + j)][size_t(k - j)] += stiffness * difference[j] * difference[k];
+  solve(A, spline.control);
   return spline;
 }
 
@@ -181,8 +202,8 @@ DrawnCurve drawn_curve(const Course& c, size_t a, size_t b, double tolerance_mm)
   const int most = std::max(1, std::min(int((to - from) / kLeastSpan_mm), int(last - first) - 3));
   Spline spline = fit(c, first, last, from, to, 1);
   const double enough = 2 * tolerance_mm * tolerance_mm / 16;  // across and along
-  for (int spans = 2; spans <= most && mean_square(c, first, last, spline) > enough; ++spans)
-    spline = fit(c, first, last, from, to, spans);
+  for (int spans = 1; spans < most && mean_square(c, first, last, spline) > enough;)
+    spline = fit(c, first, last, from, to, spans = std::min(2 * spans, most));
 
   std::vector<Vec2> fine;
   const int steps = std::max(2, int(std::ceil((to - from) / (kMean_mm / 2))));

@@ -36,8 +36,9 @@ struct DrawnCurve {
   Vec2 tangent_at_begin, tangent_at_end;  // along the stroke, of length one
 };
 
-/// From knot a to knot b: a cubic B-spline by least squares (de Boor, A Practical Guide to Splines, chapter XIV), of as
-/// few equal spans as leave a quarter of the tolerance in the mean square, none below 4 mm. Empty: too few points.
+/// From knot a to knot b: a cubic B-spline by least squares (de Boor, A Practical Guide to Splines, chapter XIV), of so
+/// many equal spans (1, 2, 4 ...) that a quarter of the tolerance is left in the mean square, none below 4 mm. Empty:
+/// too few points. O(points)
 DrawnCurve drawn_curve(const Course&, size_t a, size_t b, double tolerance_mm);
 
 }  // namespace limberg

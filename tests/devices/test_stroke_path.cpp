@@ -174,6 +174,19 @@ TEST(StrokePath, WhatIsDrawnAsACurveIsACurve) {
   }
 }
 
+// A pen that scribbles for eight metres, and one that draws one spiral: neither may hold the patient up.
+TEST(StrokePath, ALongStrokeIsReadInTimeThatGrowsWithItsLength) {
+  std::vector<Vec2> spiral{{0, 0}};
+  double length = 0;
+  for (double a = 0.5; length < 8000; a += 0.05) {
+    spiral.push_back(5 * a * Vec2(std::cos(a), std::sin(a)));
+    length += (spiral.back() - spiral[spiral.size() - 2]).norm();
+  }
+  const std::vector<Vec2> got = simplify_path(drawn_smoothly(spiral, 0.15, 0.05, 1));
+  EXPECT_LT(apart(got, spiral), 1.5 * PathSettings{}.tolerance_mm);  // as far as an edge may lie off its points
+  std::printf("  %zu points of %.0f mm\n", got.size(), length);
+}
+
 TEST(StrokePath, CornersBetweenStraightEdgesStayWhereTheyAre) {
   for (const double turn : {20.0, 25.0, 35.0, 50.0, 70.0, 90.0, 120.0, 150.0}) {
     double furthest = 0, mean = 0;
