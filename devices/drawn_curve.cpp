@@ -18,11 +18,15 @@ constexpr double kSharpest_cos = -0.342;  // 110 degrees
 constexpr double kShallow_cos = 0.259;    // 75 degrees
 constexpr size_t kLeastPoints = 6;
 
-/// The points' sum of squares beside the best of c0 + c1 t + c2 f(t); their columns in `basis`.
-double left_of(const Eigen::MatrixX3d& basis, const Eigen::VectorXd& d) {
+/// The best of c0 + c1 t + c2 f(t), whose columns are `basis`, and the points' sum of squares beside it.
+struct LeastSquares {
+  Eigen::Vector3d c;
+  double left;
+};
+LeastSquares fit(const Eigen::MatrixX3d& basis, const Eigen::VectorXd& d) {
   const Eigen::Matrix3d A = basis.transpose() * basis + 1e-12 * Eigen::Matrix3d::Identity();
   const Eigen::Vector3d c = A.ldlt().solve(basis.transpose() * d);
-  return (d - basis * c).squaredNorm();
+  return {c, (d - basis * c).squaredNorm()};
 }
 
 struct Window {
@@ -174,10 +178,10 @@ bool bends_at(const Course& c, size_t k, double tolerance_mm) {
   if (w.t.size() == 0) return false;
   const Vec2 in = (c.at[middle] - c.at[b]).normalized(), out = (c.at[e - 1] - c.at[middle]).normalized();
   if (in.dot(out) < kSharpest_cos) return false;
-  const double curved = left_of(basis_of(w.t, w.t.cwiseAbs2()), w.d);
+  const double curved = fit(basis_of(w.t, w.t.cwiseAbs2()), w.d).left;
   double straight = 1e300;
   for (double hinge = -1; hinge <= 1; hinge += 0.25)
-    straight = std::min(straight, left_of(basis_of(w.t, (w.t.array() - hinge).abs()), w.d));
+    straight = std::min(straight, fit(basis_of(w.t, (w.t.array() - hinge).abs()), w.d).left);
   const double enough = tolerance_mm * tolerance_mm / 8 * double(w.t.size());
   return curved < straight || (in.dot(out) > kShallow_cos && (curved < enough || curved < 2 * straight));
 }
@@ -187,12 +191,10 @@ bool is_arc(const Course& c, size_t k, double tolerance_mm) {
   if (e < b + kLeastPoints) return false;
   const Window w = window_of(c, c.knot[k], c.knot[k + 1], 0.5 * (c.at[b] + c.at[e - 1]));
   if (w.t.size() == 0) return false;
-  const Eigen::MatrixX3d basis = basis_of(w.t, w.t.cwiseAbs2());
-  const Eigen::Vector3d p = (basis.transpose() * basis).ldlt().solve(basis.transpose() * w.d);
+  const LeastSquares parabola = fit(basis_of(w.t, w.t.cwiseAbs2()), w.d);
   const double half = 0.5 * (c.at[e - 1] - c.at[b]).norm();
-  if (!(std::abs(p[2]) * half * half > tolerance_mm)) return false;
-  const double line = left_of(basis_of(w.t, Eigen::VectorXd::Zero(w.t.size())), w.d);
-  return 2 * (w.d - basis * p).squaredNorm() < line;
+  if (!(std::abs(parabola.c[2]) * half * half > tolerance_mm)) return false;
+  return 2 * parabola.left < fit(basis_of(w.t, Eigen::VectorXd::Zero(w.t.size())), w.d).left;
 }
 
 DrawnCurve drawn_curve(const Course& c, size_t a, size_t b, double tolerance_mm) {

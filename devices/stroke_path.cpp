@@ -137,7 +137,7 @@ struct Side {
   size_t last;             // the knot where it ends
 };
 
-/// From knot k to knot `to`. What is too short or too odd to be a curve stays the edges that it was: an empty side.
+/// From knot k to knot `to`; nothing when the points there are too few for a curve.
 std::optional<Side> curve(const Course& course, size_t k, size_t to, const PathSettings& s) {
   constexpr double kAtEnds_mm = 0.5;  // a corner is moved by about so much
   const DrawnCurve c = drawn_curve(course, k, to, s.tolerance_mm);
@@ -149,13 +149,15 @@ std::optional<Side> curve(const Course& course, size_t k, size_t to, const PathS
 }
 
 std::vector<Side> sides_of(const std::vector<Vec2>& p, const std::vector<size_t>& knot, const PathSettings& s) {
-  const Course course = course_of(p, knot);
+  const Course course = s.curves ? course_of(p, knot) : Course{};
   std::vector<Side> sides;
   for (size_t k = 0; k + 1 < knot.size();) {
     size_t to = k + 1;
-    while (s.curves && to + 1 < knot.size() && bends_at(course, to, s.tolerance_mm)) ++to;
     std::optional<Side> curved;
-    if (s.curves && (to > k + 1 || is_arc(course, k, s.tolerance_mm))) curved = curve(course, k, to, s);
+    if (s.curves) {
+      while (to + 1 < knot.size() && bends_at(course, to, s.tolerance_mm)) ++to;
+      if (to > k + 1 || is_arc(course, k, s.tolerance_mm)) curved = curve(course, k, to, s);
+    }
     if (curved) {
       sides.push_back(std::move(*curved));
     } else {

@@ -415,14 +415,14 @@ Snapshot two_edges() {
 // Where two edges lie on each other, both strokes of a row may find the same one nearest.
 TEST(Gestures, ARowsSecondEdgeIsNotItsFirst) {
   const Vec3 left(-10, 4, 0.15), right(10, 4, 0.05);
-  const auto rows = [&](bool as_meant, int strokes) {
+  const auto rows = [&](bool as_meant) {
     Hand h(two_edges());
     GestureSettings set;
     set.as_meant = as_meant;
     h.g = Gestures(set);
     h.choose(Tool::suture_row, {0, 0, 3, 0});
     std::vector<SutureRow> got;
-    for (int i = 0; i < strokes; ++i) {
+    for (int stroke = 0; stroke < 2; ++stroke) {
       h.draw(left, right);
       h.at(right, false);
     }
@@ -431,7 +431,7 @@ TEST(Gestures, ARowsSecondEdgeIsNotItsFirst) {
     return got;
   };
   const auto mean_y = [](const std::vector<ChartPoint>& path) { return 0.5 * (path.front().y() + path.back().y()); };
-  const std::vector<SutureRow> meant = rows(true, 2), before = rows(false, 2);
+  const std::vector<SutureRow> meant = rows(true), before = rows(false);
   ASSERT_EQ(meant.size(), 1u);
   EXPECT_NEAR(mean_y(meant[0].a), 4, 0.1) << "nearest over all of it";
   EXPECT_NEAR(mean_y(meant[0].b), -4, 0.1) << "the other one";

@@ -110,7 +110,7 @@ double apart(const std::vector<Vec2>& a, const std::vector<Vec2>& b) {
   return furthest;
 }
 
-/// An arc that begins at (0, 0) along x and turns to the left by so many degrees, after what is there already.
+/// The path goes on as an arc to the left (below 0: to the right); a path of one point begins along x.
 void arc(std::vector<Vec2>& path, double radius, double turn_deg) {
   const Vec2 begin = path.back();
   const Vec2 way = path.size() > 1 ? Vec2((begin - path[path.size() - 2]).normalized()) : Vec2(1, 0);
@@ -174,8 +174,8 @@ TEST(StrokePath, WhatIsDrawnAsACurveIsACurve) {
   }
 }
 
-// A pen that scribbles for eight metres, and one that draws one spiral: neither may hold the patient up.
-TEST(StrokePath, ALongStrokeIsReadInTimeThatGrowsWithItsLength) {
+// Read as one curve of up to 2,000 spans: whatever is done for it must not grow with their square.
+TEST(StrokePath, ACurveOfEightMetresIsRead) {
   std::vector<Vec2> spiral{{0, 0}};
   double length = 0;
   for (double a = 0.5; length < 8000; a += 0.05) {
